@@ -1,0 +1,10 @@
+//! Global illumination by rasterisation alone, on raw Vulkan.
+//!
+//! Data goes one way: file → [`scene`] → needs → plan → GPU scene → G-buffer → records ⇄ captures → accumulation →
+//! [`image`] → report.
+
+pub mod image;
+pub mod math;
+pub mod reference;
+pub mod report;
+pub mod scene;

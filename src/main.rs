@@ -1,0 +1,2 @@
+//! The `hemicube` command.
+fn main() {}
