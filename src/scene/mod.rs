@@ -109,7 +109,7 @@ pub struct Texture {
 }
 
 /// What a texture shows outside [0, 1].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
     /// Tiles.
     #[default]
