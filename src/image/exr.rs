@@ -46,11 +46,13 @@ fn encode(picture: &Picture, settings: &[(&str, &str)]) -> Image<Layer<AnyChanne
     let size = Vec2(picture.width as usize, picture.height as usize);
     let channel = |(name, values): (&String, &Vec<f32>)| AnyChannel::new(text(name), FlatSamples::F32(values.clone()));
     let channels = AnyChannels::sort(picture.channels.iter().map(channel).collect());
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = Some(concat!("hemicube ", env!("CARGO_PKG_VERSION")).into());
     // One attribute rather than one a setting: the encoder keeps free attributes in a map without order.
     let lines: Vec<String> = settings.iter().map(|(name, value)| format!("{name}: {value}")).collect();
-    attributes.comments = (!lines.is_empty()).then(|| text(&lines.join("\n")));
+    let attributes = LayerAttributes {
+        software_name: Some(concat!("hemicube ", env!("CARGO_PKG_VERSION")).into()),
+        comments: (!lines.is_empty()).then(|| text(&lines.join("\n"))),
+        ..LayerAttributes::default()
+    };
     let encoding =
         Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let mut image = Image::from_layer(Layer::new(size, attributes, encoding, channels));

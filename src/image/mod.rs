@@ -4,7 +4,9 @@
 //! `direct.B`; the layer without a name is `R`, `G`, `B`). Colours are linear with Rec.709 primaries.
 
 pub mod exr;
+pub mod flip;
 pub mod layers;
+pub mod metrics;
 pub mod png;
 pub mod tone;
 pub mod write;
@@ -23,6 +25,26 @@ pub struct Picture {
     pub height: u32,
     /// Channel name as in the EXR file, to its pixels.
     pub channels: BTreeMap<String, Vec<f32>>,
+}
+
+/// What the channels of a layer are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// `R`, `G`, `B`.
+    Colour,
+    /// `X`, `Y`, `Z`.
+    Vector,
+    /// One channel.
+    Scalar,
+}
+
+/// One layer of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer<'a> {
+    /// What the channels are.
+    pub kind: Kind,
+    /// The channels in the order of their kind.
+    pub channels: Vec<&'a [f32]>,
 }
 
 impl Picture {
@@ -50,6 +72,18 @@ impl Picture {
     pub fn scalar(&self, layer: &str) -> Option<&[f32]> {
         let channel = self.channels.get(layer).or_else(|| self.channels.get(&channel_name(layer, "Y")))?;
         (self.xyz(layer).is_none()).then_some(channel)
+    }
+
+    /// The channels of a layer and what they are.
+    pub fn layer(&self, layer: &str) -> Option<Layer<'_>> {
+        let (kind, channels) = if let Some(rgb) = self.rgb(layer) {
+            (Kind::Colour, rgb.to_vec())
+        } else if let Some(xyz) = self.xyz(layer) {
+            (Kind::Vector, xyz.to_vec())
+        } else {
+            (Kind::Scalar, vec![self.scalar(layer)?])
+        };
+        Some(Layer { kind, channels })
     }
 
     /// Adds or replaces a colour layer, pixels in row order.
