@@ -7,13 +7,12 @@ use thiserror::Error;
 
 /// A file that could not be written; nothing of it is left, and a file that was there before is as it was.
 #[derive(Debug, Error)]
-#[error("cannot write {path:?}: {source} ({remedy})", remedy = remedy(.source))]
+#[error("cannot write {path:?}: {cause} ({remedy})", remedy = remedy(.cause))]
 pub struct WriteError {
     /// The file that was asked for.
     pub path: PathBuf,
-    /// What the system or the encoder said.
-    #[source]
-    pub source: io::Error,
+    /// What the system or the encoder said; part of the message, so no source of its own.
+    pub cause: io::Error,
 }
 
 /// What an encoder writes into.
@@ -24,7 +23,7 @@ impl<T: Write + Seek> Sink for T {}
 ///
 /// Links are followed. Something that is no plain file (`/dev/null`, a pipe) is written to directly, from memory.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<(), WriteError> {
-    try_write(path, fill).map_err(|source| WriteError { path: path.to_owned(), source })
+    try_write(path, fill).map_err(|cause| WriteError { path: path.to_owned(), cause })
 }
 
 fn try_write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> io::Result<()> {
