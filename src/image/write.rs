@@ -23,7 +23,15 @@ impl<T: Write + Seek> Sink for T {}
 ///
 /// Links are followed. Something that is no plain file (`/dev/null`, a pipe) is written to directly, from memory.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<(), WriteError> {
-    try_write(path, fill).map_err(|cause| WriteError { path: path.to_owned(), cause })
+    try_write(path, fill).map_err(|error| WriteError { path: path.to_owned(), cause: plain(error) })
+}
+
+/// The system's error without the temporary file's name, which means nothing to the reader.
+fn plain(error: io::Error) -> io::Error {
+    match error.to_string().split_once(" at path ") {
+        Some((words, _)) => io::Error::new(error.kind(), words.to_owned()),
+        None => error,
+    }
 }
 
 fn try_write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> io::Result<()> {
@@ -103,6 +111,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error = write_atomic(&folder.path().join("no/such/a.txt"), |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("create the folder first"), "{error}");
+        assert!(!error.to_string().contains(".hemicube-"), "the temporary name is nobody's business: {error}");
         let error = write_atomic(folder.path(), |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("name a file inside it"), "{error}");
     }
