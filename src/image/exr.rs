@@ -197,6 +197,22 @@ mod tests {
     }
 
     #[test]
+    fn parts_of_different_sizes_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sizes.exr");
+        let part = |name: &str, width: usize| {
+            let channel = AnyChannel::new("R", FlatSamples::F32(vec![1.0; width]));
+            let list = AnyChannels::sort([channel].into_iter().collect());
+            Layer::new((width, 1), LayerAttributes::named(name), Encoding::UNCOMPRESSED, list)
+        };
+        let attributes = ImageAttributes::new(IntegerBounds::from_dimensions((3, 1)));
+        let parts = Layers::from_vec(vec![part("a", 2), part("b", 3)]);
+        Image::from_layers(attributes, parts).write().to_file(&path).unwrap();
+        let message = read(&path).unwrap_err().to_string();
+        assert!(message.contains("sizes.exr") && message.contains("differ in size"), "{message}");
+    }
+
+    #[test]
     fn bad_files_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("bad.exr");
