@@ -56,7 +56,8 @@ impl<'a, 'b> TextureStore<'a, 'b> {
 
     fn decode(&mut self, index: usize) -> Result<Texture> {
         let image = item(&self.document.images, "image", index)?;
-        let object = || label("image", index, image.name.as_deref().or(image.uri.as_deref().filter(|u| u.len() < 256)));
+        let uri = image.uri.as_deref().filter(|u| !u.starts_with("data:"));
+        let object = || label("image", index, image.name.as_deref().or(uri));
         if let Some(place) = self.known.iter().find_map(|((i, _), place)| (*i == index).then_some(*place)) {
             let copy = self.textures[place as usize].clone();
             self.spend(copy.rgba.len() as u64, 0).within(object)?;
@@ -71,7 +72,6 @@ impl<'a, 'b> TextureStore<'a, 'b> {
             (None, None) => Err(Fault::invalid("has neither URI nor bufferView")),
         };
         let rgba = rgba.within(object)?;
-        let uri = image.uri.as_deref().filter(|u| !u.starts_with("data:"));
         Ok(Texture {
             name: image.name.as_deref().or(uri).unwrap_or_default().to_owned(),
             width: rgba.width(),
