@@ -286,3 +286,7 @@ fn note_rest_poses(document: &Document, placed: &[Placed], notes: &mut Notes) {
     notes.add_if("morph targets are not applied", morphed);
     notes.add_if("animations are not played", document.has_animations);
 }
+
+#[cfg(test)]
+#[path = "load_tests/mod.rs"]
+mod tests;
