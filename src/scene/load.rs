@@ -29,7 +29,7 @@
 //! | a node with both `matrix` and translation, rotation or scale | the matrix counts |
 //! | a vertex count that is no multiple of three | the rest is left out |
 //! | triangles without area | left out |
-//! | GLB: duplicate or empty chunks, trailing bytes, unaligned lengths | the first of each kind counts |
+//! | GLB: more chunks, bytes after the end, lengths that are no multiple of four | the first chunk of each kind counts |
 //! | images whose `mimeType` or extension lies | told by their bytes |
 //! | camera clip planes | not used |
 
@@ -43,7 +43,7 @@ use super::gltf::primitive::{self, Budget, Primitive};
 use super::gltf::textures::TextureStore;
 use super::gltf::{Notes, container, extensions, lights, materials};
 use super::{Material, Scene};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, btree_map::Entry};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -128,9 +128,9 @@ fn read_meshes(
     let mut budget = Budget(limits.triangles.saturating_mul(3));
     for p in placed {
         let Some(mesh) = document.nodes[p.node].mesh else { continue };
-        if !meshes.contains_key(&mesh) {
+        if let Entry::Vacant(place) = meshes.entry(mesh) {
             item(&document.meshes, "mesh", mesh).within(|| document.node_label(p.node))?;
-            meshes.insert(mesh, read_mesh(document, buffers, mesh, &mut budget, notes)?);
+            place.insert(read_mesh(document, buffers, mesh, &mut budget, notes)?);
         }
     }
     Ok(meshes)

@@ -76,7 +76,7 @@ impl<'a, 'b> TextureStore<'a, 'b> {
             name: image.name.as_deref().or(uri).unwrap_or_default().to_owned(),
             width: rgba.width(),
             height: rgba.height(),
-            rgba: bytemuck::cast_vec(rgba.into_raw().chunks_exact(4).map(|t| [t[0], t[1], t[2], t[3]]).collect()),
+            rgba: rgba.as_raw().as_chunks().0.to_vec(),
             wrap: [Wrap::Repeat; 2],
             nearest: false,
         })
