@@ -88,6 +88,12 @@ fn the_built_in_box_is_the_reference_box() {
 fn sponza() {
     let Some(scene) = scene("sponza") else { return };
     assert_eq!((scene.triangles.len(), scene.textures.len()), (66_445, 10));
+    // Summed by a program of its own from the buffers.
+    let area: f64 = (0..66_445).map(|t| f64::from(scene.area(t))).sum();
+    assert!((area - 7_502.905_72).abs() < 1e-3, "{area}");
+    let (low, high) = scene.bounds();
+    assert!((low - Vec3::new(-17.402_76, -0.906_689, -7.798_513)).length() < 1e-5, "{low}");
+    assert!((high - Vec3::new(17.417_24, 15.653_314, 7.801_49)).length() < 1e-5, "{high}");
     assert!(scene.textures.iter().all(|t| t.wrap == [Wrap::Repeat; 2] && !t.nearest));
     let [Light::Directional { direction, irradiance }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
     assert!(direction.y < -0.5, "{direction}");

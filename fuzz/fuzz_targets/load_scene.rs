@@ -1,7 +1,9 @@
 //! Any bytes are a scene or an error with one line; what loads can be looked at anywhere.
 //!
-//! Seeds: `tests/bad_scenes` and `assets`. On a stable compiler set `RUSTC_BOOTSTRAP=1`:
-//! `cargo fuzz run load_scene fuzz/corpus/load_scene tests/bad_scenes assets -- -rss_limit_mb=1024 -timeout=5`.
+//! Seeds: `tests/bad_scenes`, `assets` and, written by `HEMICUBE_SEEDS=folder cargo test --release --lib scene`, the
+//! files of the loader's own tests. On a stable compiler set `RUSTC_BOOTSTRAP=1`:
+//! `cargo fuzz run load_scene -O fuzz/corpus/load_scene tests/bad_scenes assets -- -rss_limit_mb=1024 -timeout=5
+//! -max_len=16384 -dict=fuzz/gltf.dict`.
 
 #![no_main]
 

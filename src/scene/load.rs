@@ -4,8 +4,9 @@
 //! Triangles (lists, strips, fans; indexed or not) of the default scene, else of the first scene, else of all nodes,
 //! else (a library of meshes) of every mesh as it stands;
 //! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinate sets 0 and 1; cameras;
-//! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_mesh_quantization, KHR_texture_transform,
-//! EXT_mesh_gpu_instancing, EXT_meshopt_compression, KHR_meshopt_compression, EXT_texture_webp.
+//! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_materials_pbrSpecularGlossiness (its diffuse
+//! part), KHR_mesh_quantization, KHR_texture_transform, EXT_mesh_gpu_instancing, EXT_meshopt_compression,
+//! KHR_meshopt_compression, EXT_texture_webp.
 //!
 //! # What is not
 //! Every surface is Lambertian: its albedo is the base colour, metallic and roughness are ignored. A light's `range` is

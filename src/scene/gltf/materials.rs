@@ -140,8 +140,9 @@ fn texture_ref(
     Ok(TextureRef { texture: store.get(index)?, set, transform })
 }
 
-/// Scale, then rotation, then offset (KHR_texture_transform). v points down, so the rotation that reads
-/// counter-clockwise has the signs of a clockwise one.
+/// Scale, then rotation, then offset (KHR_texture_transform). v points down, so the rotation that looks
+/// counter-clockwise has the signs of a clockwise one; the extension's GLSL listing misses this (KhronosGroup/glTF#1563),
+/// its text and other implementations do not.
 fn matrix(t: &TextureTransform) -> Mat3 {
     Mat3::from_translation(Vec2::from(t.offset.0))
         * Mat3::from_rotation_z(-t.rotation.0)

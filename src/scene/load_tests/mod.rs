@@ -131,8 +131,14 @@ impl File {
         glb
     }
 
+    /// Loads the file; keeps it as a seed where `HEMICUBE_SEEDS` names a folder for the fuzzer.
     fn try_load(&self) -> std::result::Result<Scene, SceneError> {
-        load_from_slice("test.glb", &self.glb(), &no_files, Limits::default())
+        let glb = self.glb();
+        if let Some(folder) = std::env::var_os("HEMICUBE_SEEDS") {
+            let hash = glb.iter().fold(0u64, |h, b| (h ^ u64::from(*b)).wrapping_mul(0x0000_0100_0000_01B3));
+            std::fs::write(Path::new(&folder).join(format!("{hash:016x}.glb")), &glb).unwrap();
+        }
+        load_from_slice("test.glb", &glb, &no_files, Limits::default())
     }
 
     fn load(&self) -> Scene {
