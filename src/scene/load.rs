@@ -126,7 +126,7 @@ fn read_meshes(
     notes: &mut Notes,
 ) -> Result<BTreeMap<usize, Mesh>> {
     let mut meshes = BTreeMap::new();
-    let mut budget = Budget(limits.triangles.saturating_mul(3));
+    let mut budget = Budget(limits.triangles.saturating_mul(3).min(u64::from(u32::MAX)));
     for p in placed {
         let Some(mesh) = document.nodes[p.node].mesh else { continue };
         if let Entry::Vacant(place) = meshes.entry(mesh) {
