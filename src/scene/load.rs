@@ -31,6 +31,7 @@
 //! | a vertex count that is no multiple of three | the rest is left out |
 //! | triangles without area | left out |
 //! | GLB: more chunks, bytes after the end, lengths that are no multiple of four | the first chunk of each kind counts |
+//! | textures that name no image | left out |
 //! | images whose `mimeType` or extension lies | told by their bytes |
 //! | camera clip planes | not used |
 

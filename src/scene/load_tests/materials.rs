@@ -100,3 +100,13 @@ fn materials_that_nothing_uses_are_not_looked_at() {
     file.push("materials", json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 4}}}));
     assert_eq!(file.load().materials.len(), 1);
 }
+
+#[test]
+fn a_texture_without_an_image_is_left_out() {
+    let scene = textured(json!({"index": 0})).set("/textures/0", json!({})).load();
+    assert_eq!((scene.materials[0].base_texture, scene.textures.len()), (None, 0));
+    assert!(scene.notes[0].contains("without an image"), "{:?}", scene.notes);
+    let other = json!({"extensions": {"KHR_texture_basisu": {"source": 0}}});
+    let line = textured(json!({"index": 0})).set("/textures/0", other).try_load().unwrap_err().to_string();
+    assert!(line.contains("re-export"), "{line}");
+}
