@@ -3,4 +3,4 @@
 layout(location = 0) flat in uint first_triangle;
 layout(location = 0) out uint identity;
 
-void main() { identity = (first_triangle + gl_PrimitiveID + 1) | (gl_FrontFacing ? 0x80000000u : 0); }
+void main() { identity = (first_triangle + gl_PrimitiveID + 1) | (gl_FrontFacing ? 0 : 0x80000000u); }

@@ -3,4 +3,4 @@
 layout(location = 1) flat in uint own_triangle;
 layout(location = 0) out uint identity;
 
-void main() { identity = (own_triangle + 1) | (gl_FrontFacing ? 0x80000000u : 0); }
+void main() { identity = (own_triangle + 1) | (gl_FrontFacing ? 0 : 0x80000000u); }

@@ -19,6 +19,6 @@ void main() {
     Surface s = surface_at(material, uvs.xy, uvs.zw, vec4(1.0, 1.0, 1.0, alpha), vec3(0.0, 0.0, 1.0), vec4(0.0));
     if (s.albedo.a < material.alpha.x) discard;
 #ifdef IDENTITY
-    identity = (triangle + 1) | (gl_FrontFacing ? 0x80000000u : 0);
+    identity = (triangle + 1) | (gl_FrontFacing ? 0 : 0x80000000u);
 #endif
 }

@@ -1,5 +1,5 @@
-// The views of a frame: which way each face looks, and which face sees a direction. All faces are right-handed
-// (right × up = forward), so that winding keeps its meaning. Face 0 looks along the axis.
+// The views of a frame: which way each face looks, and which face sees a direction. On every face right × up = forward,
+// which shows the world mirrored: a triangle seen from its front winds clockwise. Face 0 looks along the axis.
 
 vec3 to_local(Frame frame, vec3 d) {
     return vec3(dot(frame.tangent.xyz, d), dot(frame.bitangent.xyz, d), dot(frame.normal.xyz, d));
