@@ -1,7 +1,7 @@
 //! Direct light: every light sample's shadow is rendered once, in batches, and lights the surface cells and the pixels.
 
 pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooManyLights, light_sets};
-use crate::passes::capture::{Capture, CaptureDesc};
+use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
@@ -62,6 +62,7 @@ impl DirectLight {
             size: set.shadow_size,
             capacity,
             identity: false,
+            culled: pays_to_cull(device, target.geometry.triangle_count),
         };
         let Target { scene, geometry, textures, gbuffer, direct } = *target;
         let shadow = Capture::new(device, scene, geometry, textures, desc)?;

@@ -1,7 +1,7 @@
 //! Irradiance-cache splatting (Gautron, Křivánek, Bouatouch and Pattanaik 2005; S0): records in rounds, from coarse to
 //! fine, until every visible pixel is covered.
 
-use crate::passes::capture::{Capture, CaptureDesc, Views};
+use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull, Views};
 use crate::passes::find_uncovered::{FindUncovered, Lattice};
 use crate::passes::gbuffer::Targets;
 use crate::passes::geometry::Geometry;
@@ -90,6 +90,7 @@ impl IrradianceCache {
             size: settings.capture_size,
             capacity: batch_size(settings.capture_size),
             identity: true,
+            culled: pays_to_cull(device, geometry.triangle_count),
         };
         let capture = Capture::new(device, scene, geometry, textures, desc)?;
         let capacity = u64::from(capture.desc.capacity);

@@ -1,7 +1,8 @@
 //! Captures: multi-view render passes over a batch of frames, their tiles side by side in one layered target.
 //!
-//! A small scene is drawn whole, all views of a frame by one multi-view draw. A larger one is culled first, per frame and
-//! per view, and each view is a subpass of its own (a one-bit view mask) with its own indirect draws.
+//! A small scene is drawn whole, all views of a frame by one multi-view draw where the driver gets that right. A larger one
+//! is culled first, per frame and per view, and each view is a subpass of its own (a one-bit view mask) with its own
+//! indirect draws.
 
 use super::cull::Cull;
 use super::geometry::{DrawRange, Geometry};
@@ -66,6 +67,13 @@ pub struct CaptureDesc {
     pub capacity: u32,
     /// Whether to keep which triangle is seen, not depth alone.
     pub identity: bool,
+    /// Whether to cull clusters per view; without it, all views are drawn whole by multi-view draws.
+    pub culled: bool,
+}
+
+/// Whether culling pays for a scene on this device.
+pub fn pays_to_cull(device: &Device, triangles: u32) -> bool {
+    triangles > WHOLE_SCENE && device.capabilities.multi_draw_indirect
 }
 
 /// Subpasses' pipelines for one draw range.
@@ -106,12 +114,10 @@ impl Capture {
         textures: Option<&Textures>,
         desc: CaptureDesc,
     ) -> Result<Self> {
-        let culled = geometry.triangle_count > WHOLE_SCENE && device.capabilities.multi_draw_indirect;
-        let (desc, columns, size) = layout_tiles(device, geometry, desc, culled)?;
+        let culled = desc.culled;
+        let (desc, columns, size) = layout_tiles(device, geometry, desc)?;
         let (identity, depth) = targets(device, &desc, size)?;
-        let all_views = (1 << desc.views.count()) - 1;
-        let view_masks =
-            if culled { (0..desc.views.count()).map(|view| 1 << view).collect() } else { vec![all_views] };
+        let view_masks = view_masks(device, &desc);
         let pass = render_pass(device, &desc, &view_masks)?;
         let images: Vec<&Image> = identity.iter().chain([&depth]).collect();
         let framebuffer = Framebuffer::new(&pass, &images)?;
@@ -208,12 +214,21 @@ impl Capture {
     }
 }
 
+/// One subpass for all views where one draw may go to all of them, else a subpass a view.
+fn view_masks(device: &Device, desc: &CaptureDesc) -> Vec<u32> {
+    let views = desc.views.count();
+    if desc.culled || !device.capabilities.multiview_draws {
+        (0..views).map(|view| 1 << view).collect()
+    } else {
+        vec![(1 << views) - 1]
+    }
+}
+
 /// Cuts the capacity to the device's image size, then makes rows of tiles.
 fn layout_tiles(
     device: &Device,
     geometry: &Geometry,
     mut desc: CaptureDesc,
-    culled: bool,
 ) -> Result<(CaptureDesc, u32, [u32; 2])> {
     const DRAW_BUDGET: u64 = 64 << 20;
     let limits = &device.capabilities.limits;
@@ -226,7 +241,7 @@ fn layout_tiles(
             limit: format!("{widest}×{widest}"),
         });
     }
-    if culled {
+    if desc.culled {
         let fit = DRAW_BUDGET / Cull::bytes_per_frame(geometry, desc.views).max(1);
         desc.capacity = desc.capacity.min(fit.max(1) as u32);
     }
@@ -283,14 +298,10 @@ impl PipelineBuilder<'_> {
 
     fn opaque(&self, subpasses: u32) -> Result<Vec<GraphicsPipeline>> {
         let layout = PipelineLayout::new(self.device, &[self.frames], 8)?;
-        let fragment = match (self.desc.identity, self.device.capabilities.primitive_id) {
-            (false, _) => None,
-            (true, true) => Some(spirv!("capture", "identity.frag")),
-            (true, false) => Some(spirv!("capture", "identity_flat.frag")),
-        };
-        let vertex = match fragment {
-            Some(_) => spirv!("capture", "capture.vert"),
-            None => spirv!("capture", "depth.vert"),
+        let (vertex, fragment) = match (self.desc.identity, self.device.capabilities.primitive_id) {
+            (false, _) => (spirv!("capture", "depth.vert"), None),
+            (true, true) => (spirv!("capture", "capture.vert"), Some(spirv!("capture", "identity.frag"))),
+            (true, false) => (spirv!("capture", "capture_flat.vert"), Some(spirv!("capture", "identity_flat.frag"))),
         };
         self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::Positions, |rest| Specialisation(rest.to_vec()))
     }
@@ -335,5 +346,57 @@ impl PipelineBuilder<'_> {
             additive: false,
         };
         (0..subpasses).map(|subpass| GraphicsPipeline::new(layout, self.pass, subpass, &desc)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vk::{Commands, DeviceChoice, Instance, barrier};
+
+    /// A frame at the middle of the built-in Cornell box, looking up, turned a little.
+    fn frame() -> Frame {
+        let (s, c) = 0.3_f32.sin_cos();
+        let origin = [0.27, 0.2, 0.25];
+        Frame {
+            origin: [origin[0], origin[1], origin[2], 1e-6],
+            tangent: [c, 0.0, -s, 1.0],
+            bitangent: [-s, 0.0, -c, 1.0],
+            normal: [0.0, 1.0, 0.0, 1.0],
+            horizon: [0.0, 1.0, 0.0, -origin[1]],
+        }
+    }
+
+    fn identities(device: &Arc<Device>, geometry: &Geometry, scene: &Scene, culled: bool) -> Vec<u32> {
+        let desc =
+            CaptureDesc { name: "capture", views: Views::Hemicube, size: 16, capacity: 4, identity: true, culled };
+        let capture = Capture::new(device, scene, geometry, None, desc).unwrap();
+        capture.frames.upload(&[frame(); 3]).unwrap();
+        let image = capture.identity.as_ref().unwrap();
+        let texels = 32 * 32 * 5;
+        let readback = Buffer::new(device, "read-back", texels * 4, Memory::Readback).unwrap();
+        let commands = Commands::begin(device).unwrap();
+        capture.record_cull(&commands, 3);
+        barrier::full(&commands);
+        capture.record(&commands, geometry, None, 3);
+        commands.copy_image(image, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, &readback);
+        commands.finish().unwrap();
+        readback.read(texels as usize)
+    }
+
+    #[test]
+    fn multi_view_draws_and_culled_views_see_the_same() {
+        let device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
+        let scene = crate::scene::cornell();
+        let geometry = Geometry::new(&device, &scene, 1000).unwrap();
+        let whole = identities(&device, &geometry, &scene, false);
+        let culled = identities(&device, &geometry, &scene, true);
+        for layer in 0..5 {
+            let of = |all: &[u32]| all[layer * 1024..(layer + 1) * 1024].to_vec();
+            let seen = |all: &[u32]| of(all).iter().filter(|i| **i != 0).count();
+            assert!(layer == 3 || seen(&culled) > 3 * 80, "face {layer} sees the box");
+        }
+        assert!(whole == culled);
+        assert_eq!(device.instance.validation_messages(), 0);
     }
 }

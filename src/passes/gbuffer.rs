@@ -91,13 +91,13 @@ impl GBuffer {
     }
 
     fn pipeline(&self, variant: Variant, geometry: &Geometry, emission: bool) -> Result<GraphicsPipeline> {
-        let (layout, fragment) = match (&self.textured, variant.is_textured()) {
-            (Some(layout), true) => (layout, spirv!("gbuffer", "textured.frag")),
-            _ => (&self.plain, spirv!("gbuffer", "plain.frag")),
+        let (layout, vertex, fragment) = match (&self.textured, variant.is_textured()) {
+            (Some(layout), true) => (layout, spirv!("gbuffer", "textured.vert"), spirv!("gbuffer", "textured.frag")),
+            _ => (&self.plain, spirv!("gbuffer", "plain.vert"), spirv!("gbuffer", "plain.frag")),
         };
         let desc = GraphicsDesc {
             name: "gbuffer",
-            vertex: spirv!("gbuffer", "gbuffer.vert"),
+            vertex,
             fragment: Some(fragment),
             constants: variant.constants(geometry.streams, &[u32::from(emission)]),
             input: VertexInput::None,

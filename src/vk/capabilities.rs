@@ -23,6 +23,9 @@ pub struct Capabilities {
     pub multi_draw_indirect: bool,
     /// `gl_PrimitiveID` in fragment shaders; without it, triangles are drawn unindexed.
     pub primitive_id: bool,
+    /// One draw may go to several views. llvmpipe (seen in Mesa 22.3.6) puts triangles that it clips into the wrong view
+    /// then: there, every view is a subpass of its own, with a one-bit view mask.
+    pub multiview_draws: bool,
     /// Valid bits of a timestamp on the queue; 0 means no timestamps.
     pub timestamp_bits: u32,
     /// Nanoseconds a timestamp tick.
@@ -57,6 +60,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
         name: "geometryShader (gl_PrimitiveID)",
         cost: "without it captures draw unindexed triangles, three vertices each",
         has: |c| c.primitive_id,
+    },
+    Requirement {
+        name: "multi-view draws (not llvmpipe)",
+        cost: "without them small scenes are drawn once a view",
+        has: |c| c.multiview_draws,
     },
     Requirement { name: "timestamps", cost: "without them GPU times are not reported", has: |c| c.timestamp_bits > 0 },
 ];
@@ -105,6 +113,7 @@ impl Capabilities {
             draw_indirect_count: features_1_2.draw_indirect_count == vk::TRUE,
             multi_draw_indirect: features.multi_draw_indirect == vk::TRUE,
             primitive_id: features.geometry_shader == vk::TRUE,
+            multiview_draws: device.driver_id != vk::DriverId::MESA_LLVMPIPE,
             timestamp_bits: family.timestamp_valid_bits,
             timestamp_period: f64::from(limits.timestamp_period),
             queue_family,

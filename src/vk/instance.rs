@@ -27,6 +27,8 @@ pub struct PhysicalDevice {
     pub name: String,
     /// Driver name and version in words.
     pub driver: String,
+    /// Which driver it is.
+    pub driver_id: vk::DriverId,
     /// Discrete, integrated, virtual, CPU.
     pub kind: vk::PhysicalDeviceType,
     /// Vulkan version it implements.
@@ -74,6 +76,7 @@ impl Instance {
             raw,
             name: text(base.device_name_as_c_str()),
             driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
+            driver_id: driver.driver_id,
             kind: base.device_type,
             api_version: base.api_version,
         }

@@ -12,8 +12,12 @@ layout(push_constant) uniform Push { mat4 world_to_clip; vec4 eye; uint material
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
+#ifdef TEXTURED
 layout(location = 2) in vec4 uvs;
 layout(location = 3) in vec4 tangent;
+#else
+const vec4 uvs = vec4(0.0), tangent = vec4(0.0);
+#endif
 layout(location = 4) in vec4 color;
 layout(location = 5) flat in vec3 geometric;
 

@@ -1,5 +1,4 @@
 // G-buffer: one triangle corner a vertex, pulled from the scene's buffers so that the geometric normal is exact.
-#version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
 #include "inc/oct.glsl"
@@ -11,8 +10,10 @@ layout(push_constant) uniform Push { mat4 world_to_clip; vec4 eye; uint material
 
 layout(location = 0) out vec3 position;
 layout(location = 1) out vec3 normal;
+#ifdef TEXTURED
 layout(location = 2) out vec4 uvs;
 layout(location = 3) out vec4 tangent;
+#endif
 layout(location = 4) out vec4 color;
 layout(location = 5) flat out vec3 geometric;
 
@@ -26,8 +27,10 @@ void main() {
     geometric = normalize(cross(position_of(indices[3 * triangle + 1]) - p0, position_of(indices[3 * triangle + 2]) - p0));
     position = position_of(vertex);
     normal = oct_decode(normals[vertex]);
+#ifdef TEXTURED
     uvs = vec4(uv0_of(vertex), uv1_of(vertex));
     tangent = tangent_of(vertex);
+#endif
     color = color_of(vertex);
     gl_Position = push.world_to_clip * vec4(position, 1.0);
 }
