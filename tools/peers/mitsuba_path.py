@@ -16,6 +16,7 @@ rather than run as `scalar_rgb`, one ray at a time from Python: that would measu
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -54,6 +55,7 @@ class Mitsuba:
         passes = _passes(settings["spp"], max(BATCH // len(self.rays), 1))
         self._gather(bounces, settings["sampler"], passes[:1])  # compiles
         image, timed = measure_self(lambda: self._gather(bounces, settings["sampler"], passes))
+        drjit.set_thread_count(os.cpu_count() or 1)  # with one thread left, writing an EXR would wait for ever
         return image.reshape(*self.shape, 3), timed
 
     def _gather(self, bounces: int, kind: str, passes: list[int]) -> Floats:

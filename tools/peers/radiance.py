@@ -14,6 +14,8 @@ How a scene is said in Radiance:
 How it is run: rays through pixel centres come from us as doubles and the answer goes back as floats, so rtrace is used
 rather than rpict, whose pictures keep 8 bits of mantissa; the sequence of rays and the cache are the same. `-i` asks for
 irradiance at the first hit with its shading normal, on the viewer's side. `-ab N` gives direct light and N bounces.
+With N processes each takes every N-th row and all share one cache file, which is what `rtrace -n` does too, but so that
+the jitter of the direct light is the same with and without bounces: it cancels when one is taken from the other.
 Radiance measures `-ar` in units of its octree's cube, which a mesh makes larger than the scene: the `ar` of the settings
 is in units of the scene's largest side, and is scaled.
 """
@@ -55,7 +57,7 @@ class Radiance:
     folder: Path
     environment: dict[str, str]
     octree: Path
-    rays: Path
+    rays: Floats  # rows × columns × 6
     shape: tuple[int, int]
     setup: Timed
     cube_per_extent: float = 1.0
@@ -69,12 +71,25 @@ class Radiance:
         flags = [str(part) for key, value in settings.items() for part in (f"-{key}", value)]
         if bounces > 0:
             flags += ["-af", str(cache)]
-        command = ["rtrace", *FIXED, "-fdf", "-n", str(threads), "-ab", str(bounces), *flags, str(self.octree)]
-        with self.rays.open("rb") as rays:
-            output, timed = measure_children(lambda: self._run(command, stdin=rays))
-        height, width = self.shape
-        image = np.frombuffer(output, "<f4").reshape(height, width, 3).astype(float)
+        command = ["rtrace", *FIXED, "-fdf", "-ab", str(bounces), *flags, str(self.octree)]
+        for k in range(threads):
+            self._part(k, "rays").write_bytes(np.ascontiguousarray(self.rays[k::threads], "<f8").tobytes())
+        _, timed = measure_children(lambda: self._trace(command, threads))
+        image = np.empty((*self.shape, 3))
+        for k in range(threads):
+            image[k::threads] = np.fromfile(self._part(k, "answer"), "<f4").reshape(-1, self.shape[1], 3)
         return image, timed, self._records(cache) if bounces > 0 else 0
+
+    def _part(self, number: int, kind: str) -> Path:
+        return self.folder / f"{kind}{number}"
+
+    def _trace(self, command: list[str], processes: int) -> None:
+        running = []
+        for k in range(processes):
+            with self._part(k, "rays").open("rb") as rays, self._part(k, "answer").open("wb") as answer:
+                running.append(subprocess.Popen(command, stdin=rays, stdout=answer, env=self.environment))
+        if any([process.wait() for process in running]):
+            raise SystemExit(f"failed: {' '.join(command)}")
 
     def version(self) -> str:
         """The program's own name and version."""
@@ -83,8 +98,8 @@ class Radiance:
     def _records(self, cache: Path) -> int:
         return self._run(["lookamb", "-h", "-d", str(cache)]).count(b"\n")
 
-    def _run(self, command: list[str], stdin: object = None) -> bytes:
-        done = subprocess.run(command, stdin=stdin, capture_output=True, env=self.environment)  # type: ignore[call-overload]
+    def _run(self, command: list[str]) -> bytes:
+        done = subprocess.run(command, capture_output=True, env=self.environment)
         if done.returncode != 0:
             raise SystemExit(f"{' '.join(command)}\n{done.stderr.decode(errors='replace').strip()}")
         return done.stdout
@@ -100,8 +115,7 @@ def export(scene: Scene, rays: Floats, shape: tuple[int, int], folder: Path) -> 
         "PATH": f"{package / 'bin'}{os.pathsep}{os.environ['PATH']}",
         "RAYPATH": f".{os.pathsep}{package / 'lib'}",
     }
-    (folder / "rays.f64").write_bytes(np.ascontiguousarray(rays, "<f8").tobytes())
-    radiance = Radiance(folder, environment, folder / "scene.oct", folder / "rays.f64", shape, Timed(0, 0))
+    radiance = Radiance(folder, environment, folder / "scene.oct", rays.reshape(*shape, 6), shape, Timed(0, 0))
     extent = _extent(scene)
     materials = "\n".join(_material(folder, k, m) for k, m in enumerate(scene.materials))
     lights = "\n".join(_light(k, light, extent) for k, light in enumerate(scene.lights))
