@@ -8,3 +8,4 @@ pub mod math;
 pub mod reference;
 pub mod report;
 pub mod scene;
+pub mod vk;

@@ -1,0 +1,29 @@
+// capture.vert for masked materials: corners are drawn one by one, so that attributes and the triangle come with them.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_multiview : require
+#include "shared/types.glsl"
+#include "inc/views.glsl"
+#include "inc/scene.glsl"
+#include "inc/material_constants.glsl"
+#include "inc/vertex_streams.glsl"
+layout(constant_id = 8) const uint VIEWS = 0;
+layout(constant_id = 9) const uint HAS_HORIZON = 1;
+
+layout(set = FRAME_SET, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
+layout(push_constant) uniform Push { uint frame; uint material; } push;
+layout(location = 0) out vec4 uvs;
+layout(location = 1) out float alpha;
+layout(location = 2) flat out uint triangle;
+
+out float gl_ClipDistance[1];
+
+void main() {
+    uint vertex = indices[gl_VertexIndex];
+    vec3 position = vec3(positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]);
+    Frame frame = frames[push.frame];
+    gl_Position = project(VIEWS, gl_ViewIndex, frame, position);
+    gl_ClipDistance[0] = HAS_HORIZON != 0 ? dot(frame.horizon.xyz, position) + frame.horizon.w : 1.0;
+    uvs = vec4(uv0_of(vertex), uv1_of(vertex));
+    alpha = color_of(vertex).a;
+    triangle = gl_VertexIndex / 3;
+}

@@ -1,0 +1,61 @@
+// Pixels of a lattice that no record covers yet, in scan order. Three dispatches share this shader: count by workgroup,
+// sum the counts (one workgroup), write the pixels. Prefix sums instead of atomics: the same order every time.
+#version 460
+#extension GL_EXT_samplerless_texture_functions : require
+#extension GL_GOOGLE_include_directive : require
+layout(local_size_x = 256) in;
+layout(constant_id = 0) const uint PHASE = 0;  // 0 count, 1 sum, 2 write
+
+layout(set = 0, binding = 0) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 1) uniform texture2D accumulated;
+layout(set = 0, binding = 2, std430) buffer Groups { uint groups[]; };
+layout(set = 0, binding = 3, std430) buffer Found { uint found_count; uint pixels[]; };
+layout(push_constant) uniform Push { uvec2 size; uvec2 offset; uvec2 lattice; uint stride; float covered; } push;
+
+shared uint sums[256];
+
+// Inclusive prefix sum over the workgroup (Hillis and Steele 1986).
+uint prefix_sum(uint value) {
+    uint me = gl_LocalInvocationID.x;
+    sums[me] = value;
+    barrier();
+    for (uint step = 1; step < 256; step *= 2) {
+        uint add = me >= step ? sums[me - step] : 0;
+        barrier();
+        sums[me] += add;
+        barrier();
+    }
+    return sums[me];
+}
+
+void sum_groups() {
+    uint total = (push.lattice.x * push.lattice.y + 255) / 256;
+    uint base = 0;
+    for (uint start = 0; start < total; start += 256) {
+        uint at = start + gl_LocalInvocationID.x;
+        uint value = at < total ? groups[at] : 0;
+        uint inclusive = prefix_sum(value);
+        if (at < total) groups[at] = base + inclusive - value;
+        base += sums[255];
+        barrier();
+    }
+    if (gl_LocalInvocationID.x == 0) found_count = base;
+}
+
+void main() {
+    if (PHASE == 1) {
+        sum_groups();
+        return;
+    }
+    uint at = gl_GlobalInvocationID.x;
+    uvec2 pixel = push.offset + push.stride * uvec2(at % push.lattice.x, at / push.lattice.x);
+    bool inside = at < push.lattice.x * push.lattice.y && all(lessThan(pixel, push.size));
+    bool open = inside && texelFetch(gbuffer_position, ivec2(pixel), 0).w == 1.0
+        && texelFetch(accumulated, ivec2(pixel), 0).w < push.covered;
+    uint inclusive = prefix_sum(open ? 1 : 0);
+    if (PHASE == 0) {
+        if (gl_LocalInvocationID.x == 255) groups[gl_WorkGroupID.x] = inclusive;
+    } else if (open) {
+        pixels[groups[gl_WorkGroupID.x] + inclusive - 1] = pixel.y * push.size.x + pixel.x;
+    }
+}

@@ -1,0 +1,20 @@
+// Irradiance vector of a light sample: direction to the light (unit) and irradiance of a surface that faces it, before
+// visibility. Wants LIGHT_KIND.
+
+struct Arriving { vec3 direction; vec3 irradiance; };
+
+Arriving light_arriving(LightSample light, vec3 p) {
+    if (LIGHT_KIND == LIGHT_DIRECTIONAL) return Arriving(-light.direction.xyz, light.power.rgb);
+    vec3 d = light.position.xyz - p;
+    float distance2 = dot(d, d);
+    vec3 w = d * inversesqrt(max(distance2, 1e-30));
+    if (LIGHT_KIND == LIGHT_POINT) return Arriving(w, light.power.rgb / max(distance2, 1e-30));
+    float cosine = -dot(w, light.direction.xyz);
+    if (LIGHT_KIND == LIGHT_SPOT) {
+        float falloff = clamp((cosine - light.direction.w) * light.power.w, 0.0, 1.0);
+        return Arriving(w, light.power.rgb * (falloff * falloff / max(distance2, 1e-30)));
+    }
+    // A small disc instead of a point (Wallace, Elmquist and Haines 1989, eq. 5): bounded next to the emitter, and the
+    // same in the limit of many samples.
+    return Arriving(w, light.power.rgb * (max(cosine, 0.0) / (distance2 + light.position.w)));
+}

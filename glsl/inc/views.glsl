@@ -1,0 +1,52 @@
+// The views of a frame: which way each face looks, and which face sees a direction. All faces are right-handed
+// (right × up = forward), so that winding keeps its meaning. Face 0 looks along the axis.
+
+vec3 to_local(Frame frame, vec3 d) {
+    return vec3(dot(frame.tangent.xyz, d), dot(frame.bitangent.xyz, d), dot(frame.normal.xyz, d));
+}
+
+vec3 to_world(Frame frame, vec3 d) {
+    return d.x * frame.tangent.xyz + d.y * frame.bitangent.xyz + d.z * frame.normal.xyz;
+}
+
+// (right, up, forward) of a local direction on face `view`.
+vec3 face_coordinates(uint view, vec3 l) {
+    switch (view) {
+        case 0: return l;
+        case 1: return vec3(l.y, l.z, l.x);
+        case 2: return vec3(-l.y, l.z, -l.x);
+        case 3: return vec3(-l.x, l.z, l.y);
+        case 4: return vec3(l.x, l.z, -l.y);
+        default: return vec3(l.x, -l.y, -l.z);
+    }
+}
+
+// Local direction through the point (x, y) of face `view` at distance 1; the inverse of `face_coordinates`.
+vec3 face_direction(uint view, vec2 p) {
+    switch (view) {
+        case 0: return vec3(p, 1.0);
+        case 1: return vec3(1.0, p.x, p.y);
+        case 2: return vec3(-1.0, -p.x, p.y);
+        case 3: return vec3(-p.x, 1.0, p.y);
+        case 4: return vec3(p.x, -1.0, p.y);
+        default: return vec3(p.x, -p.y, -1.0);
+    }
+}
+
+// The face of a cube that sees the local direction.
+uint face_of(vec3 l) {
+    vec3 a = abs(l);
+    if (a.z >= a.x && a.z >= a.y) return l.z >= 0.0 ? 0 : 5;
+    if (a.x >= a.y) return l.x >= 0.0 ? 1 : 2;
+    return l.y >= 0.0 ? 3 : 4;
+}
+
+// Clip-space position. Reversed depth: near/forward, so that single precision keeps its relative accuracy at any range.
+vec4 project(uint views, uint view, Frame frame, vec3 p) {
+    vec3 l = to_local(frame, p - frame.origin.xyz);
+    if (views == VIEWS_ORTHOGRAPHIC)
+        return vec4(l.x * frame.tangent.w, -l.y * frame.bitangent.w, 1.0 - l.z * frame.normal.w, 1.0);
+    vec3 f = face_coordinates(view, l);
+    if (views == VIEWS_PLANE) f.xy *= vec2(frame.tangent.w, frame.bitangent.w);
+    return vec4(f.x, -f.y, frame.origin.w, f.z);
+}

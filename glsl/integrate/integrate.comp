@@ -1,0 +1,166 @@
+// Irradiance, its gradients and the harmonic mean distance of each record of a batch, from its captured views. One
+// workgroup a record; every sum has a fixed order. Texels and edges come as tables (src/math/hemicube.rs), so that the
+// same pass serves any set of views. CPU twin: math::hemicube::integrate.
+#version 460
+#extension GL_EXT_samplerless_texture_functions : require
+#extension GL_GOOGLE_include_directive : require
+#include "shared/types.glsl"
+#include "inc/views.glsl"
+const uint THREADS = 64;
+layout(local_size_x = THREADS) in;
+
+layout(constant_id = 0) const uint HAS_SKY = 0;
+layout(constant_id = 1) const uint HAS_ROTATION = 1;
+layout(constant_id = 2) const uint HAS_TRANSLATION = 1;
+
+struct Texel { vec4 direction; uvec4 place; };  // local unit direction, cosine weight | layer<<16 | y<<8 | x, solid angle, forward
+struct Edge { vec4 step_; uvec4 texels; };      // tan(γ/2)·n·(a+b)·m from i to j (local) | i, j
+
+layout(set = 0, binding = 0, std430) readonly buffer Positions { float positions[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Indices { uint indices[]; };
+layout(set = 0, binding = 2, std430) readonly buffer FirstCell { uint first_cell[]; };
+layout(set = 0, binding = 3, std430) readonly buffer CellRadiance { float cell_radiance[]; };
+layout(set = 1, binding = 0) uniform utexture2DArray identities;
+layout(set = 1, binding = 1) uniform texture2DArray depths;
+layout(set = 1, binding = 2, std430) readonly buffer Frames { Frame frames[]; };
+layout(set = 1, binding = 3, std430) readonly buffer Texels { Texel texels[]; };
+layout(set = 1, binding = 4, std430) readonly buffer Edges { Edge edges[]; };
+layout(set = 1, binding = 5, std430) buffer Gathered { vec4 gathered[]; };  // radiance, 1/distance; then the sky's
+layout(set = 1, binding = 6, std430) buffer Records { Record records[]; };
+layout(set = 1, binding = 7, std430) writeonly buffer Payloads { Payload payloads[]; };
+layout(set = 1, binding = 8, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
+layout(push_constant) uniform Push {
+    uint texel_count;
+    uint edge_count;
+    uint tile_size;
+    uint columns;
+    float accuracy;      // Ward's a
+    float min_radius;    // of the zone of influence, in pixels
+    float max_radius;
+    float scene_radius;  // R of a record that sees nothing
+} push;
+
+#include "inc/cells.glsl"
+#include "inc/sky.glsl"
+
+shared vec4 partial[THREADS];
+
+vec4 sum_all(vec4 value) {
+    uint me = gl_LocalInvocationID.x;
+    barrier();
+    partial[me] = value;
+    for (uint half_ = THREADS / 2; half_ > 0; half_ /= 2) {
+        barrier();
+        if (me < half_) partial[me] += partial[me + half_];
+    }
+    barrier();
+    return partial[0];
+}
+
+struct Sums { vec4 irradiance; vec3 rotation[3]; };  // irradiance.w: Σ w/d
+
+void gather(uint record, Frame frame, out Sums lit, out Sums open) {
+    lit = Sums(vec4(0.0), vec3[3](vec3(0.0), vec3(0.0), vec3(0.0)));
+    open = lit;
+    uvec2 tile = uvec2(record % push.columns, record / push.columns) * push.tile_size;
+    for (uint i = gl_LocalInvocationID.x; i < push.texel_count; i += THREADS) {
+        Texel texel = texels[i];
+        ivec3 at = ivec3(tile + uvec2(texel.place.x & 255, (texel.place.x >> 8) & 255), texel.place.x >> 16);
+        uint identity = texelFetch(identities, at, 0).x;
+        vec3 direction = to_world(frame, texel.direction.xyz);
+        float weight = texel.direction.w;
+        float solid_angle = uintBitsToFloat(texel.place.y);
+        vec3 turn = solid_angle * vec3(-texel.direction.y, texel.direction.x, 0.0);  // n × ω
+        vec4 seen = vec4(0.0);
+        vec3 beyond = vec3(0.0);
+        if (identity != 0) {
+            float depth = texelFetch(depths, at, 0).x;
+            uint triangle = (identity & 0x7fffffffu) - 1;
+            seen.rgb = surface_radiance(triangle, identity >= 0x80000000u, frame.origin.xyz, direction);
+            seen.w = depth * uintBitsToFloat(texel.place.z) / frame.origin.w;
+        } else if (HAS_SKY != 0 && dot(direction, frame.horizon.xyz) > 0.0) {
+            beyond = sky_radiance(direction);
+        }
+        lit.irradiance += weight * seen;
+        if (HAS_ROTATION != 0) for (int c = 0; c < 3; ++c) lit.rotation[c] += seen[c] * turn;
+        gathered[(HAS_SKY + 1) * (record * push.texel_count + i)] = seen;
+        if (HAS_SKY != 0) {
+            open.irradiance.rgb += weight * beyond;
+            if (HAS_ROTATION != 0) for (int c = 0; c < 3; ++c) open.rotation[c] += beyond[c] * turn;
+            gathered[2 * (record * push.texel_count + i) + 1] = vec4(beyond, 0.0);
+        }
+    }
+}
+
+// ∇_t E = −Σ (L_i − L_j)·tan(γ/2)·n·(a+b)·m / min(r_i, r_j) over all edges between texels. The nearer texel moves.
+void slide(uint record, out vec3 lit[3], out vec3 open[3]) {
+    for (int c = 0; c < 3; ++c) lit[c] = open[c] = vec3(0.0);
+    uint stride = HAS_SKY + 1;
+    uint base = record * push.texel_count;
+    for (uint e = gl_LocalInvocationID.x; e < push.edge_count; e += THREADS) {
+        Edge edge = edges[e];
+        uint i = stride * (base + edge.texels.x), j = stride * (base + edge.texels.y);
+        vec4 a = gathered[i], b = gathered[j];
+        vec3 step_ = edge.step_.xyz * max(a.w, b.w);
+        for (int c = 0; c < 3; ++c) lit[c] -= (a[c] - b[c]) * step_;
+        if (HAS_SKY != 0) {
+            vec3 difference = gathered[i + 1].rgb - gathered[j + 1].rgb;
+            for (int c = 0; c < 3; ++c) open[c] -= difference[c] * step_;
+        }
+    }
+}
+
+Payload total(Frame frame, Sums sums, vec3 moves[3], float allowed) {
+    Payload p;
+    p.irradiance = vec4(sum_all(sums.irradiance).rgb, 1.0);
+    for (int c = 0; c < 3; ++c) {
+        vec3 r = HAS_ROTATION != 0 ? sum_all(vec4(sums.rotation[c], 0.0)).xyz : vec3(0.0);
+        vec3 t = HAS_TRANSLATION != 0 ? sum_all(vec4(moves[c], 0.0)).xyz : vec3(0.0);
+        p.rotation[c] = vec4(to_world(frame, vec3(r.xy, 0.0)), 0.0);
+        p.translation[c] = vec4(to_world(frame, vec3(t.xy, 0.0)), allowed);
+    }
+    return p;
+}
+
+float brightness(vec3 v) { return max(v.r, max(v.g, v.b)); }
+
+// Radius of the zone of influence: a·R, R no larger than E/‖∇_t E‖ (Křivánek et al. 2005), within limits in pixels.
+float zone_radius(float inverse_r, Payload p, float footprint, out float wanted) {
+    float r = 1.0 / max(inverse_r, 1.0 / push.scene_radius);
+    if (HAS_TRANSLATION != 0) {
+        vec3 slope = vec3(length(p.translation[0].xyz), length(p.translation[1].xyz), length(p.translation[2].xyz));
+        float e = brightness(p.irradiance.rgb), g = brightness(slope);
+        if (g * r > e) r = e / max(g, 1e-30);
+    }
+    wanted = push.accuracy * r;
+    return clamp(wanted, push.min_radius * footprint, push.max_radius * footprint);
+}
+
+void main() {
+    uint record = gl_WorkGroupID.x;
+    Frame frame = frames[record];
+    Sums lit, open;
+    gather(record, frame, lit, open);
+    vec3 lit_moves[3], open_moves[3];
+    if (HAS_TRANSLATION != 0) {
+        memoryBarrierBuffer();
+        barrier();
+        slide(record, lit_moves, open_moves);
+    }
+    float inverse_r = sum_all(lit.irradiance).w / PI;
+    Payload p = total(frame, lit, lit_moves, 1.0);
+    float wanted, radius = zone_radius(inverse_r, p, records[record].geometric.w, wanted);
+    // Beyond the radius that the gradient is good for, it is damped to stay bounded.
+    float allowed = min(1.0, wanted / radius);
+    for (int c = 0; c < 3; ++c) p.translation[c].xyz *= allowed;
+    if (gl_LocalInvocationID.x == 0) payloads[(HAS_SKY + 1) * record] = p;
+    if (HAS_SKY != 0) {
+        Payload q = total(frame, open, open_moves, allowed);
+        for (int c = 0; c < 3; ++c) q.translation[c].xyz *= allowed;
+        if (gl_LocalInvocationID.x == 0) payloads[2 * record + 1] = q;
+    }
+    if (gl_LocalInvocationID.x == 0) {
+        records[record].position.w = radius;
+        records[record].normal.w = inverse_r;
+    }
+}

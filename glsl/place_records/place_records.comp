@@ -1,0 +1,56 @@
+// Puts a record and its capture frame on each chosen pixel.
+#version 460
+#extension GL_EXT_samplerless_texture_functions : require
+#extension GL_GOOGLE_include_directive : require
+#include "shared/types.glsl"
+#include "inc/oct.glsl"
+#include "inc/hash.glsl"
+layout(local_size_x = 64) in;
+
+layout(set = 0, binding = 0) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 1) uniform utexture2D gbuffer_normals;
+layout(set = 0, binding = 2, std430) readonly buffer Found { uint found_count; uint pixels[]; };
+layout(set = 0, binding = 3, std430) writeonly buffer Frames { Frame frames[]; };
+layout(set = 0, binding = 4, std430) writeonly buffer Records { Record records[]; };
+layout(push_constant) uniform Push {
+    vec4 eye;          // xyz; w: 0 for parallel views
+    vec4 forward;      // xyz; w: pixel footprint at distance 1 (or anywhere, for parallel views)
+    uint first;        // of the found pixels
+    uint count;
+    uint width;
+    uint seed;
+    float near;
+    float lift;        // how far a capture's origin stands off its surface
+} push;
+
+void main() {
+    uint at = gl_GlobalInvocationID.x;
+    if (at >= push.count) return;
+    uint pixel = pixels[push.first + at];
+    ivec2 xy = ivec2(pixel % push.width, pixel / push.width);
+    vec3 p = texelFetch(gbuffer_position, xy, 0).xyz;
+    uvec2 codes = texelFetch(gbuffer_normals, xy, 0).xy;
+    vec3 n = oct_decode(codes.x), ng = oct_decode(codes.y);
+
+    // A random turn about the normal makes the hemicube's aliasing noise between records instead of a pattern.
+    float turn = 2.0 * PI * unit_float(pcg(pixel ^ pcg(push.seed)));
+    float s = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a;  // Duff et al. 2017
+    vec3 t0 = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), b0 = vec3(b, s + n.y * n.y * a, -n.y);
+    vec3 t = cos(turn) * t0 + sin(turn) * b0;
+    vec3 origin = p + ng * push.lift;
+
+    Frame frame;
+    frame.origin = vec4(origin, push.near);
+    frame.tangent = vec4(t, 1.0);
+    frame.bitangent = vec4(cross(n, t), 1.0);
+    frame.normal = vec4(n, 1.0);
+    frame.horizon = vec4(ng, -dot(ng, origin));
+    frames[at] = frame;
+
+    float footprint = push.forward.w * (push.eye.w == 0.0 ? 1.0 : dot(p - push.eye.xyz, push.forward.xyz));
+    Record record;
+    record.position = vec4(p, 0.0);
+    record.normal = vec4(n, 0.0);
+    record.geometric = vec4(ng, footprint);
+    records[at] = record;
+}

@@ -1,0 +1,54 @@
+// Types and constants shared with src/vk/gpu_types.rs, which asserts the same sizes.
+
+const float PI = 3.14159265358979;
+
+// A place to look from: an orthonormal frame, the near distance and the plane below which nothing is seen.
+struct Frame {
+    vec4 origin;     // xyz; w: near distance
+    vec4 tangent;    // xyz; w: 1/tan(half aperture) for a plane, 1/half width for an orthographic view
+    vec4 bitangent;  // xyz; w: the same along the other axis
+    vec4 normal;     // xyz: axis; w: 1/depth range of an orthographic view
+    vec4 horizon;    // plane (n, -n·origin): only points with a positive distance are seen; (0, 0, 0, 1) sees all
+};
+
+// An irradiance record's place and validity.
+struct Record {
+    vec4 position;   // xyz; w: radius of the zone of influence
+    vec4 normal;     // shading normal; w: 1/R, harmonic mean distance, cosine-weighted, not clamped
+    vec4 geometric;  // geometric normal on the viewer's side; w: footprint of a pixel here
+};
+
+// What a record carries, once for the light by one reflection and, where there is a sky, once for the sky's own.
+struct Payload {
+    vec4 irradiance;      // W·m⁻²
+    vec4 rotation[3];     // rotation gradient, a world-space vector a colour channel
+    vec4 translation[3];  // translation gradient, likewise; w of the first: the share of it that the radius allows
+};
+
+// One sample of a light: a punctual light, or a point on an emissive triangle.
+struct LightSample {
+    vec4 position;   // xyz; w: disc radius² of an area sample (its area / π)
+    vec4 direction;  // axis: where a directional light goes, a spot points, an emitter faces; w: cosine of a spot's outer angle
+    vec4 power;      // irradiance (directional), intensity (point, spot), radiance × area (area sample); w: 1/(cos inner − cos outer)
+};
+
+struct Material {
+    vec4 base_color;
+    vec4 emission;            // radiance; w: normal map scale
+    vec4 base_uv[2];          // rows of the texture transform for (u, v, 1); [0].w: texture coordinate set
+    vec4 normal_uv[2];
+    vec4 emission_uv[2];
+    vec4 alpha;               // x: cutoff
+};
+
+// Kinds of views of a frame.
+const uint VIEWS_HEMICUBE = 0;      // five faces, the sides cut at the frame's horizon
+const uint VIEWS_CUBE = 1;          // six faces
+const uint VIEWS_PLANE = 2;         // one perspective view along the axis
+const uint VIEWS_ORTHOGRAPHIC = 3;  // one parallel view along the axis
+
+// Kinds of light samples.
+const uint LIGHT_DIRECTIONAL = 0;
+const uint LIGHT_POINT = 1;
+const uint LIGHT_SPOT = 2;
+const uint LIGHT_AREA = 3;

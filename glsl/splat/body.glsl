@@ -1,0 +1,66 @@
+// What a record contributes to a pixel: its irradiance, extrapolated by the gradients, times its weight; summed by
+// additive blending (Gautron et al. 2005).
+#extension GL_GOOGLE_include_directive : require
+#include "shared/types.glsl"
+#include "inc/oct.glsl"
+
+layout(constant_id = 0) const uint HAS_SKY = 0;
+layout(constant_id = 1) const uint HAS_GRADIENTS = 1;
+layout(constant_id = 2) const uint WEIGHT = 0;        // 0 bounded (Tabellion and Lamorlette 2004), 1 Ward 1988
+
+layout(set = 0, binding = 0, std430) readonly buffer Records { Record records[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Payloads { Payload payloads[]; };
+layout(set = 0, binding = 2) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 3) uniform utexture2D gbuffer_normals;
+layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; } push;
+layout(location = 0) flat in uint record_index;
+layout(location = 0) out vec4 sum;
+#ifdef SKY
+layout(location = 1) out vec4 sky_sum;
+#endif
+#ifdef COUNTED
+layout(location = COUNTED) out vec4 count;
+#endif
+
+vec3 extrapolated(Payload p, vec3 turn, vec3 offset) {
+    vec3 e = p.irradiance.rgb;
+    if (HAS_GRADIENTS != 0) {
+        vec3 change;
+        for (int c = 0; c < 3; ++c) change[c] = dot(turn, p.rotation[c].xyz) + dot(offset, p.translation[c].xyz);
+        // Linear growth is evidence for as much again, and never for less than nothing.
+        e = clamp(e + change, vec3(0.0), 2.0 * e);
+    }
+    return e;
+}
+
+void main() {
+    vec4 surface = texelFetch(gbuffer_position, ivec2(gl_FragCoord.xy), 0);
+    Record record = records[record_index];
+    vec3 offset = surface.xyz - record.position.xyz;
+    float distance2 = dot(offset, offset), radius = record.position.w;
+    if (surface.w != 1.0 || distance2 >= radius * radius) discard;
+
+    vec3 n = oct_decode(texelFetch(gbuffer_normals, ivec2(gl_FragCoord.xy), 0).x);
+    vec3 nk = record.normal.xyz;
+    if (dot(n, nk) <= 0.0) discard;
+    // 1 − n·n_k = ½‖n − n_k‖², without the cancellation.
+    float bend = length(n - nk) * 0.70710678;
+    // In front of the record's surface the record may not see what lights the pixel (Ward 1988).
+    if (dot(offset, n + nk) * 0.5 < -0.1 * radius) discard;
+
+    float w;
+    if (WEIGHT == 0) {
+        w = 1.0 - max(sqrt(distance2) / radius, bend / push.normal_limit);
+    } else {
+        w = 1.0 / max(sqrt(distance2) / radius * push.accuracy + bend, 1e-6) - 1.0 / push.accuracy;
+    }
+    if (w <= 0.0) discard;
+    vec3 turn = cross(nk, n);
+    sum = vec4(w * extrapolated(payloads[(HAS_SKY + 1) * record_index], turn, offset), w);
+#ifdef SKY
+    sky_sum = vec4(w * extrapolated(payloads[2 * record_index + 1], turn, offset), w);
+#endif
+#ifdef COUNTED
+    count = vec4(1.0);
+#endif
+}

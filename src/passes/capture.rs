@@ -1,0 +1,339 @@
+//! Captures: multi-view render passes over a batch of frames, their tiles side by side in one layered target.
+//!
+//! A small scene is drawn whole, all views of a frame by one multi-view draw. A larger one is culled first, per frame and
+//! per view, and each view is a subpass of its own (a one-bit view mask) with its own indirect draws.
+
+use super::cull::Cull;
+use super::geometry::{DrawRange, Geometry};
+use super::material::{Textures, Variant};
+use crate::scene::Scene;
+use crate::vk::gpu_types::Frame;
+use crate::vk::{
+    Attachment, Binding, Buffer, Commands, DescriptorSet, Device, Error, Framebuffer, GraphicsDesc, GraphicsPipeline,
+    Image, ImageDesc, Load, Memory, PipelineLayout, RenderPass, RenderPassDesc, Result, SetLayout, Specialisation,
+    VertexInput, spirv,
+};
+use ash::vk;
+use std::sync::Arc;
+
+/// Scenes up to this many triangles are drawn whole: culling would cost more than it saves.
+pub const WHOLE_SCENE: u32 = 256;
+
+/// The views of a frame (`glsl/shared/types.glsl`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Views {
+    /// Five faces, the sides cut at the horizon.
+    Hemicube,
+    /// Six faces.
+    Cube,
+    /// One perspective view along the axis.
+    Plane,
+    /// One parallel view along the axis.
+    Orthographic,
+}
+
+impl Views {
+    /// Number of views.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Hemicube => 5,
+            Self::Cube => 6,
+            Self::Plane | Self::Orthographic => 1,
+        }
+    }
+
+    /// Value of the shaders' `VIEWS`.
+    pub fn code(self) -> u32 {
+        match self {
+            Self::Hemicube => 0,
+            Self::Cube => 1,
+            Self::Plane => 2,
+            Self::Orthographic => 3,
+        }
+    }
+}
+
+/// Shape of a capture target.
+#[derive(Clone, Copy, Debug)]
+pub struct CaptureDesc {
+    /// Debug name.
+    pub name: &'static str,
+    /// Views of each frame.
+    pub views: Views,
+    /// Texels a side of a face.
+    pub size: u32,
+    /// Frames of a batch, at most; the device may allow fewer.
+    pub capacity: u32,
+    /// Whether to keep which triangle is seen, not depth alone.
+    pub identity: bool,
+}
+
+/// Subpasses' pipelines for one draw range.
+struct RangePipelines {
+    range: DrawRange,
+    by_subpass: Vec<GraphicsPipeline>,
+    textured: bool,
+}
+
+/// The pass.
+pub struct Capture {
+    /// Its shape, the capacity cut to what the device allows.
+    pub desc: CaptureDesc,
+    /// Tiles in a row of the target.
+    pub columns: u32,
+    /// Which triangle each texel sees, if kept.
+    pub identity: Option<Image>,
+    /// Reversed depth.
+    pub depth: Image,
+    /// Frames to look from.
+    pub frames: Buffer,
+    cull: Option<Cull>,
+    ranges: Vec<RangePipelines>,
+    pass: RenderPass,
+    framebuffer: Framebuffer,
+    frames_set: DescriptorSet,
+    corner_indices: Option<Buffer>,
+    view_masks: Vec<u32>,
+    _frames_layout: SetLayout,
+}
+
+impl Capture {
+    /// Builds target and pipelines.
+    pub fn new(
+        device: &Arc<Device>,
+        scene: &Scene,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        desc: CaptureDesc,
+    ) -> Result<Self> {
+        let culled = geometry.triangle_count > WHOLE_SCENE && device.capabilities.multi_draw_indirect;
+        let (desc, columns, size) = layout_tiles(device, geometry, desc, culled)?;
+        let (identity, depth) = targets(device, &desc, size)?;
+        let all_views = (1 << desc.views.count()) - 1;
+        let view_masks =
+            if culled { (0..desc.views.count()).map(|view| 1 << view).collect() } else { vec![all_views] };
+        let pass = render_pass(device, &desc, &view_masks)?;
+        let images: Vec<&Image> = identity.iter().chain([&depth]).collect();
+        let framebuffer = Framebuffer::new(&pass, &images)?;
+        let frame_bytes = u64::from(desc.capacity) * size_of::<Frame>() as u64;
+        let frames = Buffer::new(device, "capture frames", frame_bytes, Memory::Device)?;
+        let frames_layout = SetLayout::of(device, &[Binding::Storage(&frames)])?;
+        let frames_set = DescriptorSet::new(&frames_layout, &[Binding::Storage(&frames)])?;
+        let cull = culled.then(|| Cull::new(device, geometry, &frames, desc.views, desc.capacity)).transpose()?;
+        let has_masked = geometry.ranges.iter().any(|r| r.masked.is_some());
+        let corners = || Buffer::with_data(device, "corner indices", &(0..geometry.triangle_count * 3).collect::<Vec<_>>());
+        let build = PipelineBuilder { device, scene, geometry, textures, desc: &desc, pass: &pass, frames: &frames_layout };
+        let ranges =
+            geometry.ranges.iter().map(|range| build.range(range, view_masks.len() as u32)).collect::<Result<_>>()?;
+        Ok(Self {
+            desc,
+            columns,
+            identity,
+            depth,
+            frames,
+            cull,
+            ranges,
+            pass,
+            framebuffer,
+            frames_set,
+            corner_indices: has_masked.then(corners).transpose()?,
+            view_masks,
+            _frames_layout: frames_layout,
+        })
+    }
+
+    /// Whether clusters are culled before the capture.
+    pub fn is_culled(&self) -> bool {
+        self.cull.is_some()
+    }
+
+    /// Culls for the first `count` frames; nothing in a small scene.
+    pub fn record_cull(&self, commands: &Commands, count: u32) {
+        if let Some(cull) = &self.cull {
+            cull.record(commands, count);
+        }
+    }
+
+    /// Draws the first `count` frames.
+    pub fn record(&self, commands: &Commands, geometry: &Geometry, textures: Option<&Textures>, count: u32) {
+        self.pass.begin(commands, &self.framebuffer);
+        for subpass in 0..self.view_masks.len() {
+            if subpass > 0 {
+                self.pass.next(commands);
+            }
+            for (index, range) in self.ranges.iter().enumerate() {
+                self.bind(commands, geometry, textures, range, subpass);
+                for frame in 0..count {
+                    self.draw(commands, range, index as u32, subpass, frame);
+                }
+            }
+        }
+        self.pass.end(commands);
+    }
+
+    fn bind(
+        &self,
+        commands: &Commands,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        range: &RangePipelines,
+        subpass: usize,
+    ) {
+        let pipeline = &range.by_subpass[subpass];
+        match (range.range.masked, textures.filter(|_| range.textured)) {
+            (None, _) => pipeline.bind(commands, &[&self.frames_set]),
+            (Some(_), None) => pipeline.bind(commands, &[&geometry.set, &self.frames_set]),
+            (Some(material), Some(textures)) => {
+                pipeline.bind(commands, &[&geometry.set, textures.set(material), &self.frames_set]);
+            }
+        }
+        let (positions, indices) = geometry.capture_buffers();
+        let corners = self.corner_indices.as_ref().filter(|_| range.range.masked.is_some());
+        pipeline.bind_mesh(commands, positions, corners.unwrap_or(indices));
+    }
+
+    fn draw(&self, commands: &Commands, range: &RangePipelines, index: u32, subpass: usize, frame: u32) {
+        let pipeline = &range.by_subpass[subpass];
+        let tile = [frame % self.columns * self.desc.size, frame / self.columns * self.desc.size];
+        self.pass.set_area(commands, tile, [self.desc.size; 2]);
+        pipeline.layout.push(commands, &[frame, range.range.masked.unwrap_or(0)]);
+        let DrawRange { triangles, clusters, .. } = &range.range;
+        match &self.cull {
+            None => pipeline.draw_triangles(commands, triangles.start, triangles.len() as u32, triangles.start),
+            Some(cull) => {
+                let (draw, count) = cull.offsets(frame, subpass as u32, index, clusters.start);
+                pipeline.draw_indirect(commands, (&cull.draws, draw), (&cull.counts, count), clusters.len() as u32);
+            }
+        }
+    }
+}
+
+/// Cuts the capacity to the device's image size, then makes rows of tiles.
+fn layout_tiles(
+    device: &Device,
+    geometry: &Geometry,
+    mut desc: CaptureDesc,
+    culled: bool,
+) -> Result<(CaptureDesc, u32, [u32; 2])> {
+    const DRAW_BUDGET: u64 = 64 << 20;
+    let limits = &device.capabilities.limits;
+    let widest = limits.max_image_dimension2_d.min(limits.max_framebuffer_width).min(limits.max_framebuffer_height);
+    let per_row = widest / desc.size;
+    if per_row == 0 {
+        return Err(Error::Limit {
+            object: desc.name.into(),
+            needed: format!("{0}×{0} texels", desc.size),
+            limit: format!("{widest}×{widest}"),
+        });
+    }
+    if culled {
+        let fit = DRAW_BUDGET / Cull::bytes_per_frame(geometry, desc.views).max(1);
+        desc.capacity = desc.capacity.min(fit.max(1) as u32);
+    }
+    desc.capacity = desc.capacity.clamp(1, per_row * per_row);
+    let columns = (f64::from(desc.capacity).sqrt().ceil() as u32).min(per_row);
+    let rows = desc.capacity.div_ceil(columns);
+    Ok((desc, columns, [columns * desc.size, rows * desc.size]))
+}
+
+fn targets(device: &Arc<Device>, desc: &CaptureDesc, size: [u32; 2]) -> Result<(Option<Image>, Image)> {
+    let image = |format, usage| {
+        let layers = Some(desc.views.count());
+        Image::new(device, ImageDesc { used_for: desc.name, format, size, layers, usage: usage | vk::ImageUsageFlags::SAMPLED })
+    };
+    let identity =
+        desc.identity.then(|| image(vk::Format::R32_UINT, vk::ImageUsageFlags::COLOR_ATTACHMENT)).transpose()?;
+    Ok((identity, image(vk::Format::D32_SFLOAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?))
+}
+
+fn render_pass(device: &Arc<Device>, desc: &CaptureDesc, view_masks: &[u32]) -> Result<RenderPass> {
+    let attachment = |format| Attachment { format, load: Load::Clear, store: true };
+    let attachments: Vec<_> = desc
+        .identity
+        .then(|| attachment(vk::Format::R32_UINT))
+        .into_iter()
+        .chain([attachment(vk::Format::D32_SFLOAT)])
+        .collect();
+    RenderPass::new(device, &RenderPassDesc { name: desc.name, attachments: &attachments, view_masks })
+}
+
+struct PipelineBuilder<'a> {
+    device: &'a Arc<Device>,
+    scene: &'a Scene,
+    geometry: &'a Geometry,
+    textures: Option<&'a Textures>,
+    desc: &'a CaptureDesc,
+    pass: &'a RenderPass,
+    frames: &'a SetLayout,
+}
+
+impl PipelineBuilder<'_> {
+    fn range(&self, range: &DrawRange, subpasses: u32) -> Result<RangePipelines> {
+        let (by_subpass, textured) = match range.masked {
+            None => (self.opaque(subpasses)?, false),
+            Some(material) => self.masked(material, subpasses)?,
+        };
+        Ok(RangePipelines { range: range.clone(), by_subpass, textured })
+    }
+
+    /// Only frames with a horizon pay for its clip plane.
+    fn has_horizon(&self) -> u32 {
+        u32::from(self.desc.views == Views::Hemicube)
+    }
+
+    fn opaque(&self, subpasses: u32) -> Result<Vec<GraphicsPipeline>> {
+        let layout = PipelineLayout::new(self.device, &[self.frames], 8)?;
+        let fragment = match (self.desc.identity, self.device.capabilities.primitive_id) {
+            (false, _) => None,
+            (true, true) => Some(spirv!("capture", "identity.frag")),
+            (true, false) => Some(spirv!("capture", "identity_flat.frag")),
+        };
+        let vertex = match fragment {
+            Some(_) => spirv!("capture", "capture.vert"),
+            None => spirv!("capture", "depth.vert"),
+        };
+        self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::Positions, |rest| Specialisation(rest.to_vec()))
+    }
+
+    fn masked(&self, material: u32, subpasses: u32) -> Result<(Vec<GraphicsPipeline>, bool)> {
+        let variant = Variant::of(&self.scene.materials[material as usize]);
+        let textures = self.textures.filter(|_| variant.is_textured());
+        let (sets, vertex) = match textures {
+            Some(t) => {
+                (vec![&self.geometry.set_layout, &t.layout, self.frames], spirv!("capture", "masked_textured.vert"))
+            }
+            None => (vec![&self.geometry.set_layout, self.frames], spirv!("capture", "masked_plain.vert")),
+        };
+        let fragment = match (self.desc.identity, textures.is_some()) {
+            (true, true) => spirv!("capture", "masked_identity_textured.frag"),
+            (true, false) => spirv!("capture", "masked_identity_plain.frag"),
+            (false, true) => spirv!("capture", "masked_depth_textured.frag"),
+            (false, false) => spirv!("capture", "masked_depth_plain.frag"),
+        };
+        let layout = PipelineLayout::new(self.device, &sets, 8)?;
+        let constants = |rest: &[u32]| variant.constants(self.geometry.streams, rest);
+        let pipelines = self.pipelines(&layout, subpasses, vertex, Some(fragment), VertexInput::None, constants)?;
+        Ok((pipelines, textures.is_some()))
+    }
+
+    fn pipelines(
+        &self,
+        layout: &Arc<PipelineLayout>,
+        subpasses: u32,
+        vertex: &[u8],
+        fragment: Option<&[u8]>,
+        input: VertexInput,
+        constants: impl Fn(&[u32]) -> Specialisation,
+    ) -> Result<Vec<GraphicsPipeline>> {
+        let desc = GraphicsDesc {
+            name: self.desc.name,
+            vertex,
+            fragment,
+            constants: constants(&[self.desc.views.code(), self.has_horizon()]),
+            input,
+            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
+            additive: false,
+        };
+        (0..subpasses).map(|subpass| GraphicsPipeline::new(layout, self.pass, subpass, &desc)).collect()
+    }
+}

@@ -1,0 +1,101 @@
+//! Finds the pixels of a lattice that no record covers yet, in scan order.
+
+use super::gbuffer::Targets;
+use super::groups;
+use crate::vk::{
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Image, Memory, PipelineLayout, Result,
+    SetLayout, Specialisation, barrier, spirv,
+};
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+const GROUP: u32 = 256;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    size: [u32; 2],
+    offset: [u32; 2],
+    lattice: [u32; 2],
+    stride: u32,
+    covered: f32,
+}
+
+/// Every `stride`-th pixel of every `stride`-th row from `offset` on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lattice {
+    /// Distance between its pixels.
+    pub stride: u32,
+    /// Its first pixel.
+    pub offset: [u32; 2],
+}
+
+/// The pass: three dispatches of one shader.
+pub struct FindUncovered {
+    phases: [ComputePipeline; 3],
+    set: DescriptorSet,
+    size: [u32; 2],
+    /// Count, then pixel indices.
+    pub found: Buffer,
+    readback: Buffer,
+    _groups: Buffer,
+    _layout: SetLayout,
+}
+
+impl FindUncovered {
+    /// Reads coverage from the fourth channel of `accumulated`.
+    pub fn new(device: &Arc<Device>, gbuffer: &Targets, accumulated: &Image) -> Result<Self> {
+        let size = gbuffer.position.desc.size;
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let counts = Buffer::new(device, "uncovered pixels", pixels.div_ceil(u64::from(GROUP)) * 4, Memory::Device)?;
+        let found = Buffer::new(device, "uncovered pixels", 4 + pixels * 4, Memory::Device)?;
+        let bindings = [
+            Binding::Texels(&gbuffer.position),
+            Binding::Texels(accumulated),
+            Binding::Storage(&counts),
+            Binding::Storage(&found),
+        ];
+        let layout = SetLayout::of(device, &bindings)?;
+        let set = DescriptorSet::new(&layout, &bindings)?;
+        let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
+        let phase = |index| {
+            let code = spirv!("find_uncovered", "find_uncovered.comp");
+            ComputePipeline::new("find_uncovered", &pipeline_layout, code, &Specialisation(vec![index]))
+        };
+        Ok(Self {
+            phases: [phase(0)?, phase(1)?, phase(2)?],
+            set,
+            size,
+            found,
+            readback: Buffer::new(device, "read-back", 4, Memory::Readback)?,
+            _groups: counts,
+            _layout: layout,
+        })
+    }
+
+    /// Finds the pixels of `lattice` whose weight is below `covered`.
+    pub fn record(&self, commands: &Commands, lattice: Lattice, covered: f32) {
+        let points = |axis: usize| self.size[axis].saturating_sub(lattice.offset[axis]).div_ceil(lattice.stride);
+        let push = Push {
+            size: self.size,
+            offset: lattice.offset,
+            lattice: [points(0), points(1)],
+            stride: lattice.stride,
+            covered,
+        };
+        let all = groups(points(0) * points(1), GROUP);
+        for (phase, groups) in self.phases.iter().zip([all, [1, 1, 1], all]) {
+            phase.bind(commands, &[&self.set]);
+            phase.layout.push(commands, &push);
+            phase.dispatch(commands, groups);
+            barrier::dispatches(commands);
+        }
+        barrier::full(commands);
+        commands.copy_buffer(&self.found, &self.readback, 4);
+    }
+
+    /// The number found, once the submission has been waited for: all that the CPU learns of the image.
+    pub fn count(&self) -> u32 {
+        self.readback.read::<u32>(1)[0]
+    }
+}

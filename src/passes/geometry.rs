@@ -1,0 +1,292 @@
+//! The scene's geometry on the GPU: vertex streams, triangles in an order made for culling, clusters, surface cells.
+
+use crate::scene::{Part, Scene};
+use crate::vk::{Binding, Buffer, DescriptorSet, Device, Memory, Result, SetLayout};
+use ash::vk;
+use glam::Vec3;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Triangles of a cluster: culled and drawn together.
+pub const CLUSTER: u32 = 64;
+
+/// Triangles that are drawn alike in captures: all opaque ones, or those of one masked material.
+#[derive(Clone, Debug)]
+pub struct DrawRange {
+    /// Masked material, or `None` for opaque triangles.
+    pub masked: Option<u32>,
+    /// Triangles in the geometry's order.
+    pub triangles: Range<u32>,
+    /// Clusters in the geometry's order.
+    pub clusters: Range<u32>,
+}
+
+/// Vertex streams that the scene has beyond positions and normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Streams {
+    /// Texture coordinate sets.
+    pub uvs: [bool; 2],
+    /// Tangents.
+    pub tangents: bool,
+    /// Vertex colours.
+    pub colors: bool,
+}
+
+/// Geometry buffers and what the CPU knows about their order.
+pub struct Geometry {
+    /// Triangles of each material, in the geometry's order.
+    pub parts: Vec<Part>,
+    /// Draw ranges: opaque first.
+    pub ranges: Vec<DrawRange>,
+    /// Number of triangles.
+    pub triangle_count: u32,
+    /// Number of clusters.
+    pub cluster_count: u32,
+    /// Number of surface cells.
+    pub cell_count: u32,
+    /// First cell of each part, and the end.
+    pub part_cells: Vec<u32>,
+    /// Streams it has.
+    pub streams: Streams,
+    /// Half the diagonal of the bounding box.
+    pub radius: f32,
+    /// Lowest and highest corner of the bounding box.
+    pub bounds: [Vec3; 2],
+    /// Set 0 of `glsl/inc/scene.glsl`.
+    pub set: DescriptorSet,
+    /// Its layout.
+    pub set_layout: SetLayout,
+    /// Spheres of the clusters (centre, radius).
+    pub clusters: Buffer,
+    /// First cell of each triangle, and the end.
+    pub first_cell: Buffer,
+    /// Triangle of each cell.
+    pub cell_triangle: Buffer,
+    /// Radiance to front and back of each cell, six floats.
+    pub cell_radiance: Buffer,
+    /// Positions and indices that captures draw: shared vertices, or three a triangle where `gl_PrimitiveID` is missing.
+    pub capture_mesh: Option<(Buffer, Buffer)>,
+    /// Vertex positions.
+    pub positions: Buffer,
+    /// Triangle corners.
+    pub indices: Buffer,
+    _normals: Buffer,
+    _streams: Vec<Buffer>,
+    _materials: Buffer,
+}
+
+impl Geometry {
+    /// Uploads `scene`, its surface cut into about `cells` cells.
+    pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32) -> Result<Self> {
+        let order = Order::new(scene);
+        let triangles = &order.triangles;
+        let (first_cell, cell_triangle) = cut_into_cells(scene, triangles, cells);
+        let spheres: Vec<[f32; 4]> =
+            order.ranges.iter().flat_map(|r| clusters(scene, &triangles[as_usize(&r.triangles)])).collect();
+        let part_cells = order
+            .parts
+            .iter()
+            .map(|p| first_cell[p.first_triangle as usize])
+            .chain(first_cell.last().copied())
+            .collect();
+
+        let positions: Vec<[f32; 3]> = scene.positions.iter().map(|p| p.to_array()).collect();
+        let normals: Vec<u32> = scene.normals.iter().map(|n| oct_encode(*n)).collect();
+        let positions_buffer = Buffer::with_data(device, "vertex positions", &positions)?;
+        let indices = Buffer::with_data(device, "triangle indices", triangles)?;
+        let normals = Buffer::with_data(device, "vertex normals", &normals)?;
+        let materials: Vec<_> = scene.materials.iter().map(super::material::gpu_material).collect();
+        let materials = Buffer::with_data(device, "materials", &materials)?;
+        let (streams, extra) = upload_streams(device, scene)?;
+        let stream = |index: usize| extra[index].as_ref().unwrap_or(&positions_buffer);
+        let bindings = [
+            Binding::Storage(&positions_buffer),
+            Binding::Storage(&indices),
+            Binding::Storage(&normals),
+            Binding::Storage(stream(0)),
+            Binding::Storage(stream(1)),
+            Binding::Storage(stream(2)),
+            Binding::Storage(stream(3)),
+            Binding::Storage(&materials),
+        ];
+        let set_layout = SetLayout::new(device, &[vk::DescriptorType::STORAGE_BUFFER; 8])?;
+        let set = DescriptorSet::new(&set_layout, &bindings)?;
+        let capture_mesh =
+            if device.capabilities.primitive_id { None } else { Some(unshared(device, &positions, triangles)?) };
+        let bounds = bounds(&scene.positions);
+        let cell_count = cell_triangle.len() as u32;
+        Ok(Self {
+            parts: order.parts,
+            ranges: order.ranges,
+            triangle_count: triangles.len() as u32,
+            cluster_count: spheres.len() as u32,
+            cell_count,
+            part_cells,
+            streams,
+            radius: (bounds[1] - bounds[0]).length() * 0.5,
+            bounds,
+            set,
+            set_layout,
+            clusters: Buffer::with_data(device, "cluster bounds", &spheres)?,
+            first_cell: Buffer::with_data(device, "surface cells", &first_cell)?,
+            cell_triangle: Buffer::with_data(device, "surface cells", &cell_triangle)?,
+            cell_radiance: Buffer::new(device, "surface radiance", u64::from(cell_count) * 24, Memory::Device)?,
+            capture_mesh,
+            positions: positions_buffer,
+            indices,
+            _normals: normals,
+            _streams: extra.into_iter().flatten().collect(),
+            _materials: materials,
+        })
+    }
+
+    /// The vertex and index buffer that captures draw.
+    pub fn capture_buffers(&self) -> (&Buffer, &Buffer) {
+        self.capture_mesh.as_ref().map_or((&self.positions, &self.indices), |(p, i)| (p, i))
+    }
+}
+
+/// Triangles in drawing order: opaque materials before masked ones, each material's along a Morton curve.
+struct Order {
+    triangles: Vec<[u32; 3]>,
+    parts: Vec<Part>,
+    ranges: Vec<DrawRange>,
+}
+
+impl Order {
+    fn new(scene: &Scene) -> Self {
+        let mut sources: Vec<_> = scene.parts.iter().filter(|p| p.triangle_count > 0).collect();
+        let masked = |part: &Part| scene.materials[part.material as usize].alpha_cutoff.is_some();
+        sources.sort_by_key(|part| masked(part));
+        let mut order = Self { triangles: Vec::with_capacity(scene.triangles.len()), parts: vec![], ranges: vec![] };
+        let bounds = bounds(&scene.positions);
+        for part in sources {
+            let first = order.triangles.len() as u32;
+            let range = part.first_triangle..part.first_triangle + part.triangle_count;
+            order.triangles.extend(along_morton_curve(scene, &scene.triangles[as_usize(&range)], bounds));
+            order.parts.push(Part { first_triangle: first, ..*part });
+            order.extend_ranges(masked(part).then_some(part.material), first);
+        }
+        order
+    }
+
+    fn extend_ranges(&mut self, masked: Option<u32>, first: u32) {
+        let end = self.triangles.len() as u32;
+        match self.ranges.last_mut() {
+            Some(last) if last.masked.is_none() && masked.is_none() => {
+                last.triangles.end = end;
+                last.clusters.end = last.clusters.start + last.triangles.len().div_ceil(CLUSTER as usize) as u32;
+            }
+            last => {
+                let start = last.map_or(0, |range| range.clusters.end);
+                let clusters = start..start + (end - first).div_ceil(CLUSTER);
+                self.ranges.push(DrawRange { masked, triangles: first..end, clusters });
+            }
+        }
+    }
+}
+
+fn as_usize(range: &Range<u32>) -> Range<usize> {
+    range.start as usize..range.end as usize
+}
+
+fn bounds(points: &[Vec3]) -> [Vec3; 2] {
+    points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
+}
+
+fn along_morton_curve(scene: &Scene, triangles: &[[u32; 3]], bounds: [Vec3; 2]) -> Vec<[u32; 3]> {
+    // One scale for all axes: clusters come out as cubes, and a scaled world has the same order.
+    let scale = 1023.0 / (bounds[1] - bounds[0]).max_element().max(f32::MIN_POSITIVE);
+    let code = |triangle: &[u32; 3]| {
+        let sum: Vec3 = triangle.iter().map(|v| scene.positions[*v as usize]).sum();
+        let cell = ((sum / 3.0 - bounds[0]) * scale).as_uvec3();
+        spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+    };
+    let mut coded: Vec<_> = triangles.iter().map(|t| (code(t), *t)).collect();
+    coded.sort_by_key(|(code, _)| *code);
+    coded.into_iter().map(|(_, t)| t).collect()
+}
+
+/// Ten bits, two zeros between neighbours.
+fn spread(v: u32) -> u32 {
+    let v = v & 0x3ff;
+    let v = (v | v << 16) & 0x0300_00ff;
+    let v = (v | v << 8) & 0x0300_f00f;
+    let v = (v | v << 4) & 0x030c_30c3;
+    (v | v << 2) & 0x0924_9249
+}
+
+fn clusters(scene: &Scene, triangles: &[[u32; 3]]) -> Vec<[f32; 4]> {
+    let sphere = |cluster: &[[u32; 3]]| {
+        let points: Vec<Vec3> = cluster.iter().flatten().map(|v| scene.positions[*v as usize]).collect();
+        let [low, high] = bounds(&points);
+        let centre = (low + high) * 0.5;
+        let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f32::max);
+        // A grain more, for the rounding of the tests that use it.
+        [centre.x, centre.y, centre.z, radius * 1.001]
+    };
+    triangles.chunks(CLUSTER as usize).map(sphere).collect()
+}
+
+/// r² cells a triangle, so that all cells have about the same area: first cell of each triangle, triangle of each cell.
+fn cut_into_cells(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> (Vec<u32>, Vec<u32>) {
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| scene.positions[v as usize]);
+        f64::from((b - a).cross(c - a).length()) * 0.5
+    };
+    let total: f64 = triangles.iter().map(area).sum();
+    let cell = total / f64::from(budget.max(1));
+    let mut first = Vec::with_capacity(triangles.len() + 1);
+    let mut owner = Vec::new();
+    for (index, triangle) in triangles.iter().enumerate() {
+        first.push(owner.len() as u32);
+        let r = ((area(triangle) / cell).sqrt().round() as usize).clamp(1, 1024);
+        owner.extend(std::iter::repeat_n(index as u32, r * r));
+    }
+    first.push(owner.len() as u32);
+    (first, owner)
+}
+
+fn upload_streams(device: &Arc<Device>, scene: &Scene) -> Result<(Streams, [Option<Buffer>; 4])> {
+    let streams = Streams {
+        uvs: [!scene.uvs[0].is_empty(), !scene.uvs[1].is_empty()],
+        tangents: !scene.tangents.is_empty(),
+        colors: !scene.colors.is_empty(),
+    };
+    let uv = |set: usize| {
+        let data: Vec<[f32; 2]> = scene.uvs[set].iter().map(|v| v.to_array()).collect();
+        Buffer::with_data(device, "texture coordinates", &data)
+    };
+    let four = |name, data: &[glam::Vec4]| {
+        let data: Vec<[f32; 4]> = data.iter().map(|v| v.to_array()).collect();
+        Buffer::with_data(device, name, &data)
+    };
+    let buffers = [
+        streams.uvs[0].then(|| uv(0)).transpose()?,
+        streams.uvs[1].then(|| uv(1)).transpose()?,
+        streams.tangents.then(|| four("vertex tangents", &scene.tangents)).transpose()?,
+        streams.colors.then(|| four("vertex colours", &scene.colors)).transpose()?,
+    ];
+    Ok((streams, buffers))
+}
+
+fn unshared(device: &Arc<Device>, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(Buffer, Buffer)> {
+    let corners: Vec<[f32; 3]> = triangles.iter().flatten().map(|v| positions[*v as usize]).collect();
+    let indices: Vec<u32> = (0..corners.len() as u32).collect();
+    Ok((
+        Buffer::with_data(device, "capture vertices", &corners)?,
+        Buffer::with_data(device, "capture indices", &indices)?,
+    ))
+}
+
+/// Octahedral unit vector in 2 × 16 bits; twin of `oct_encode` in `glsl/inc/oct.glsl`.
+fn oct_encode(v: Vec3) -> u32 {
+    let sum = v.x.abs() + v.y.abs() + v.z.abs();
+    let (mut x, mut y) = (v.x / sum, v.y / sum);
+    if v.z < 0.0 {
+        let sign = |s: f32| if s >= 0.0 { 1.0 } else { -1.0 };
+        (x, y) = ((1.0 - y.abs()) * sign(x), (1.0 - x.abs()) * sign(y));
+    }
+    let snorm = |f: f32| u32::from((f.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    snorm(x) | snorm(y) << 16
+}

@@ -1,0 +1,140 @@
+//! Integrates a batch of captures: irradiance, gradients, harmonic mean distance, radius.
+
+use super::capture::Capture;
+use super::geometry::Geometry;
+use crate::math::hemicube::Hemicube;
+use crate::vk::gpu_types::{Edge, Texel};
+use crate::vk::{
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
+    Specialisation, spirv,
+};
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+/// Push constants of the pass.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Push {
+    texel_count: u32,
+    edge_count: u32,
+    tile_size: u32,
+    columns: u32,
+    limits: Limits,
+}
+
+/// How far records reach.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct Limits {
+    /// Ward's a.
+    pub accuracy: f32,
+    /// Smallest radius of a zone of influence, in pixels.
+    pub min_radius: f32,
+    /// Largest, in pixels.
+    pub max_radius: f32,
+    /// Mean distance of a record that sees nothing.
+    pub scene_radius: f32,
+}
+
+/// Which gradients are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gradients {
+    /// By turning the normal.
+    pub rotation: bool,
+    /// By moving the point.
+    pub translation: bool,
+}
+
+/// The pass.
+pub struct Integrate {
+    pipeline: ComputePipeline,
+    set: DescriptorSet,
+    scene_set: DescriptorSet,
+    push: Push,
+    _buffers: [Buffer; 3],
+    _layouts: [SetLayout; 2],
+}
+
+impl Integrate {
+    /// Integrates hemicubes of `capture` into `records` and `payloads`; with `sky`, each record has a second payload.
+    pub fn new(
+        device: &Arc<Device>,
+        geometry: &Geometry,
+        capture: &Capture,
+        (records, payloads): (&Buffer, &Buffer),
+        sky: Option<&Buffer>,
+        gradients: Gradients,
+        limits: Limits,
+    ) -> Result<Self> {
+        let table = Hemicube::new(capture.desc.size);
+        let texels = Buffer::with_data(device, "capture tables", &gpu_texels(&table))?;
+        let edges = Buffer::with_data(device, "capture tables", &gpu_edges(&table, gradients))?;
+        let per_record = table.texels.len() as u64 * if sky.is_some() { 32 } else { 16 };
+        let gathered_bytes = per_record * u64::from(capture.desc.capacity);
+        let gathered = Buffer::new(device, "gathered radiance", gathered_bytes, Memory::Device)?;
+
+        let (positions, indices) = (&geometry.positions, &geometry.indices);
+        let scene_bindings = [positions, indices, &geometry.first_cell, &geometry.cell_radiance].map(Binding::Storage);
+        let scene_layout = SetLayout::of(device, &scene_bindings)?;
+        let scene_set = DescriptorSet::new(&scene_layout, &scene_bindings)?;
+        let identity = capture.identity.as_ref().expect("captures for integration keep identities");
+        let bindings = [
+            Binding::Texels(identity),
+            Binding::Texels(&capture.depth),
+            Binding::Storage(&capture.frames),
+            Binding::Storage(&texels),
+            Binding::Storage(&edges),
+            Binding::Storage(&gathered),
+            Binding::Storage(records),
+            Binding::Storage(payloads),
+            Binding::Storage(sky.unwrap_or(&texels)),
+        ];
+        let layout = SetLayout::of(device, &bindings)?;
+        let set = DescriptorSet::new(&layout, &bindings)?;
+        let pipeline_layout = PipelineLayout::new(device, &[&scene_layout, &layout], size_of::<Push>() as u32)?;
+        let constants = Specialisation(
+            [sky.is_some(), gradients.rotation, gradients.translation].map(u32::from).to_vec(),
+        );
+        let code = spirv!("integrate", "integrate.comp");
+        let pipeline = ComputePipeline::new("integrate", &pipeline_layout, code, &constants)?;
+        let push = Push {
+            texel_count: table.texels.len() as u32,
+            edge_count: table.edges.len() as u32,
+            tile_size: capture.desc.size,
+            columns: capture.columns,
+            limits,
+        };
+        Ok(Self { pipeline, set, scene_set, push, _buffers: [texels, edges, gathered], _layouts: [scene_layout, layout] })
+    }
+
+    /// Integrates the first `count` captures.
+    pub fn record(&self, commands: &Commands, count: u32) {
+        self.pipeline.bind(commands, &[&self.scene_set, &self.set]);
+        self.pipeline.layout.push(commands, &self.push);
+        self.pipeline.dispatch(commands, [count, 1, 1]);
+    }
+}
+
+fn gpu_texels(table: &Hemicube) -> Vec<Texel> {
+    let texel = |t: &crate::math::hemicube::Texel| {
+        let d = t.direction.as_vec3();
+        Texel {
+            direction: [d.x, d.y, d.z, t.weight as f32],
+            place: [
+                t.face << 16 | t.y << 8 | t.x,
+                (t.solid_angle as f32).to_bits(),
+                (t.forward as f32).to_bits(),
+                0,
+            ],
+        }
+    };
+    table.texels.iter().map(texel).collect()
+}
+
+fn gpu_edges(table: &Hemicube, gradients: Gradients) -> Vec<Edge> {
+    let edge = |e: &crate::math::hemicube::Edge| {
+        let s = e.step.as_vec3();
+        Edge { step: [s.x, s.y, s.z, 0.0], texels: [e.i, e.j, 0, 0] }
+    };
+    if gradients.translation { table.edges.iter().map(edge).collect() } else { vec![Edge::default()] }
+}

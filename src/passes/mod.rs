@@ -1,0 +1,22 @@
+//! One file a GPU pass; its shaders lie in `glsl/<same name>/`, and its row in the report has the same name.
+//!
+//! Each pass has one shape: `new` makes pipelines and what only the pass itself needs, `record` writes its commands.
+//! Passes are ordered and timed by [`crate::vk::pass::Recording::pass`].
+
+pub mod capture;
+pub mod cull;
+pub mod find_uncovered;
+pub mod gbuffer;
+pub mod geometry;
+pub mod integrate;
+pub mod material;
+pub mod pixel_light;
+pub mod place_records;
+pub mod resolve;
+pub mod splat;
+pub mod surface_light;
+
+/// Workgroups of `size` that cover `count` invocations.
+pub(crate) fn groups(count: u32, size: u32) -> [u32; 3] {
+    [count.div_ceil(size).max(1), 1, 1]
+}

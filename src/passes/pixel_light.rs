@@ -1,0 +1,65 @@
+//! Direct irradiance of each pixel by a batch of shadow-mapped light samples.
+
+use super::capture::Capture;
+use super::gbuffer::Targets;
+use super::groups;
+use crate::methods::direct::LightKind;
+use crate::vk::{
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout,
+    Specialisation, spirv,
+};
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    width: u32,
+    height: u32,
+    light_count: u32,
+    lift: f32,
+}
+
+/// The pass for one kind of light.
+pub struct PixelLight {
+    pipeline: ComputePipeline,
+    set: DescriptorSet,
+    size: [u32; 2],
+    _layout: SetLayout,
+}
+
+impl PixelLight {
+    /// Adds into `direct`, four floats a pixel.
+    pub fn new(
+        device: &Arc<Device>,
+        gbuffer: &Targets,
+        (kind, shadow): (LightKind, &Capture),
+        lights: &Buffer,
+        direct: &Buffer,
+    ) -> Result<Self> {
+        let bindings = [
+            Binding::Storage(lights),
+            Binding::Storage(&shadow.frames),
+            Binding::Texels(&shadow.depth),
+            Binding::Texels(&gbuffer.position),
+            Binding::Texels(&gbuffer.normals),
+            Binding::Storage(direct),
+        ];
+        let layout = SetLayout::of(device, &bindings)?;
+        let set = DescriptorSet::new(&layout, &bindings)?;
+        let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
+        let constants =
+            Specialisation(vec![kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns]);
+        let code = spirv!("pixel_light", "pixel_light.comp");
+        let pipeline = ComputePipeline::new("pixel_light", &pipeline_layout, code, &constants)?;
+        Ok(Self { pipeline, set, size: gbuffer.position.desc.size, _layout: layout })
+    }
+
+    /// Adds the light of `light_count` samples.
+    pub fn record(&self, commands: &Commands, light_count: u32, lift: f32) {
+        let [width, height] = self.size;
+        self.pipeline.bind(commands, &[&self.set]);
+        self.pipeline.layout.push(commands, &Push { width, height, light_count, lift });
+        self.pipeline.dispatch(commands, groups(width * height, 64));
+    }
+}

@@ -1,0 +1,145 @@
+//! Splats a batch of records over the G-buffer with additive float blending.
+
+use super::gbuffer::Targets;
+use crate::vk::{
+    Attachment, Binding, Buffer, Commands, DescriptorSet, Device, Framebuffer, GraphicsDesc, GraphicsPipeline, Image,
+    ImageDesc, Load, PipelineLayout, RenderPass, RenderPassDesc, Result, SetLayout, Specialisation, VertexInput, spirv,
+};
+use ash::vk;
+use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
+const SUM: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// Push constants of the pass.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct View {
+    /// Rigid transform to view space, looking along −z.
+    pub world_to_view: [f32; 16],
+    /// `ndc = scale.xy · (x, y)/depth`; w: 0 for parallel views, where nothing is divided.
+    pub scale: [f32; 4],
+    /// Ward's a.
+    pub accuracy: f32,
+    /// √(1 − n·n_k) at which the weight has fallen to zero.
+    pub normal_limit: f32,
+}
+
+/// Weight of a record at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weight {
+    /// Bounded (Tabellion and Lamorlette 2004).
+    Bounded,
+    /// Ward, Rubinstein and Clear 1988.
+    Ward,
+}
+
+/// What the pass sums besides weighted irradiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outputs {
+    /// The sky's own irradiance, in an attachment of its own.
+    pub sky: bool,
+    /// Number of records, in an attachment of its own.
+    pub records: bool,
+}
+
+/// Sums of the splats: Σ w·E and Σ w.
+pub struct Sums {
+    /// Of irradiance by one reflection.
+    pub indirect: Image,
+    /// Of the sky's irradiance.
+    pub sky: Option<Image>,
+    /// Number of records a pixel.
+    pub records: Option<Image>,
+}
+
+/// The pass.
+pub struct Splat {
+    /// What it sums.
+    pub sums: Sums,
+    clear: RenderPass,
+    keep: RenderPass,
+    framebuffer: Framebuffer,
+    pipeline: GraphicsPipeline,
+    set: DescriptorSet,
+    _layout: SetLayout,
+}
+
+impl Splat {
+    /// Splats `records` with `payloads`.
+    pub fn new(
+        device: &Arc<Device>,
+        gbuffer: &Targets,
+        (records, payloads): (&Buffer, &Buffer),
+        outputs: Outputs,
+        gradients: bool,
+        weight: Weight,
+    ) -> Result<Self> {
+        let sums = Sums::new(device, gbuffer.position.desc.size, outputs)?;
+        let images = sums.in_order();
+        let pass = |load| {
+            let attachments = vec![Attachment { format: SUM, load, store: true }; images.len()];
+            RenderPass::new(device, &RenderPassDesc { name: "splat", attachments: &attachments, view_masks: &[0] })
+        };
+        let (clear, keep) = (pass(Load::Clear)?, pass(Load::Keep)?);
+        let framebuffer = Framebuffer::new(&clear, &images)?;
+        let bindings = [
+            Binding::Storage(records),
+            Binding::Storage(payloads),
+            Binding::Texels(&gbuffer.position),
+            Binding::Texels(&gbuffer.normals),
+        ];
+        let layout = SetLayout::of(device, &bindings)?;
+        let set = DescriptorSet::new(&layout, &bindings)?;
+        let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<View>() as u32)?;
+        let constants = [outputs.sky, gradients, weight == Weight::Ward].map(u32::from);
+        let fragment = match (outputs.sky, outputs.records) {
+            (false, false) => spirv!("splat", "plain.frag"),
+            (true, false) => spirv!("splat", "sky.frag"),
+            (false, true) => spirv!("splat", "counted.frag"),
+            (true, true) => spirv!("splat", "sky_counted.frag"),
+        };
+        let desc = GraphicsDesc {
+            name: "splat",
+            vertex: spirv!("splat", "splat.vert"),
+            fragment: Some(fragment),
+            constants: Specialisation(constants.to_vec()),
+            input: VertexInput::None,
+            topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
+            additive: true,
+        };
+        let pipeline = GraphicsPipeline::new(&pipeline_layout, &keep, 0, &desc)?;
+        Ok(Self { clear, keep, framebuffer, pipeline, set, _layout: layout, sums })
+    }
+
+    /// Empties the sums.
+    pub fn record_clear(&self, commands: &Commands) {
+        self.clear.begin(commands, &self.framebuffer);
+        self.clear.end(commands);
+    }
+
+    /// Adds the first `count` records.
+    pub fn record(&self, commands: &Commands, view: &View, count: u32) {
+        self.keep.begin(commands, &self.framebuffer);
+        self.pipeline.bind(commands, &[&self.set]);
+        self.pipeline.layout.push(commands, view);
+        self.pipeline.draw(commands, 4, 0, count);
+        self.keep.end(commands);
+    }
+}
+
+impl Sums {
+    fn new(device: &Arc<Device>, size: [u32; 2], outputs: Outputs) -> Result<Self> {
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+        let sum = || Image::new(device, ImageDesc { used_for: "splat sums", format: SUM, size, layers: None, usage });
+        Ok(Self {
+            indirect: sum()?,
+            sky: outputs.sky.then(sum).transpose()?,
+            records: outputs.records.then(sum).transpose()?,
+        })
+    }
+
+    fn in_order(&self) -> Vec<&Image> {
+        [Some(&self.indirect), self.sky.as_ref(), self.records.as_ref()].into_iter().flatten().collect()
+    }
+}

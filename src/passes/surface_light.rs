@@ -1,0 +1,119 @@
+//! Lights the surface cells by a batch of shadow-mapped light samples.
+
+use super::capture::Capture;
+use super::geometry::Geometry;
+use super::groups;
+use super::material::{Textures, Variant};
+use crate::methods::direct::LightKind;
+use crate::scene::Scene;
+use crate::vk::{
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout, spirv,
+};
+use bytemuck::{Pod, Zeroable};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Push {
+    material: u32,
+    first: u32,
+    count: u32,
+    first_light: u32,
+    light_count: u32,
+    points: u32,
+    lift: f32,
+}
+
+/// The pass for one kind of light.
+pub struct SurfaceLight {
+    pipelines: HashMap<Variant, ComputePipeline>,
+    set: DescriptorSet,
+    _layout: SetLayout,
+}
+
+/// One batch of light samples.
+#[derive(Clone, Copy)]
+pub struct Batch {
+    /// Index of its first sample among its kind.
+    pub first: u32,
+    /// Number of samples, each with its tile of the shadow capture.
+    pub count: u32,
+    /// Points in a cell for each sample.
+    pub points: u32,
+    /// How far a point stands off its surface when looked up.
+    pub lift: f32,
+}
+
+impl SurfaceLight {
+    /// Builds a pipeline for each variant of material in use.
+    pub fn new(
+        device: &Arc<Device>,
+        scene: &Scene,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        (kind, shadow): (LightKind, &Capture),
+        lights: &Buffer,
+    ) -> Result<Self> {
+        let bindings = [
+            Binding::Storage(lights),
+            Binding::Storage(&shadow.frames),
+            Binding::Texels(&shadow.depth),
+            Binding::Storage(&geometry.first_cell),
+            Binding::Storage(&geometry.cell_triangle),
+            Binding::Storage(&geometry.cell_radiance),
+        ];
+        let layout = SetLayout::of(device, &bindings)?;
+        let set = DescriptorSet::new(&layout, &bindings)?;
+        let push = size_of::<Push>() as u32;
+        let mut pipelines = HashMap::new();
+        for part in &geometry.parts {
+            let variant = Variant::of(&scene.materials[part.material as usize]);
+            if pipelines.contains_key(&variant) {
+                continue;
+            }
+            let (sets, code) = match textures.filter(|_| variant.is_textured()) {
+                Some(t) => {
+                    (vec![&geometry.set_layout, &t.layout, &layout], spirv!("surface_light", "textured.comp"))
+                }
+                None => (vec![&geometry.set_layout, &layout], spirv!("surface_light", "plain.comp")),
+            };
+            let pipeline_layout = PipelineLayout::new(device, &sets, push)?;
+            let own = [kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns];
+            let constants = variant.constants(geometry.streams, &own);
+            pipelines.insert(variant, ComputePipeline::new("surface_light", &pipeline_layout, code, &constants)?);
+        }
+        Ok(Self { pipelines, set, _layout: layout })
+    }
+
+    /// Adds the batch's light to every cell, a dispatch a material.
+    pub fn record(
+        &self,
+        commands: &Commands,
+        scene: &Scene,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        batch: Batch,
+    ) {
+        for (part, cells) in geometry.parts.iter().zip(geometry.part_cells.windows(2)) {
+            let variant = Variant::of(&scene.materials[part.material as usize]);
+            let pipeline = &self.pipelines[&variant];
+            match textures.filter(|_| variant.is_textured()) {
+                Some(textures) => pipeline.bind(commands, &[&geometry.set, textures.set(part.material), &self.set]),
+                None => pipeline.bind(commands, &[&geometry.set, &self.set]),
+            }
+            let count = cells[1] - cells[0];
+            let push = Push {
+                material: part.material,
+                first: cells[0],
+                count,
+                first_light: batch.first,
+                light_count: batch.count,
+                points: batch.points,
+                lift: batch.lift,
+            };
+            pipeline.layout.push(commands, &push);
+            pipeline.dispatch(commands, groups(count, 64));
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The three barriers that the passes use.
+
+use super::commands::Commands;
+use super::image::Image;
+use ash::vk;
+
+const ANY: vk::PipelineStageFlags = vk::PipelineStageFlags::ALL_COMMANDS;
+
+fn all_memory() -> vk::MemoryBarrier<'static> {
+    vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE | vk::AccessFlags::MEMORY_READ)
+        .dst_access_mask(vk::AccessFlags::MEMORY_WRITE | vk::AccessFlags::MEMORY_READ)
+}
+
+/// All before, with its writes, before all after. Between passes, where the timer needs the order anyway.
+pub fn full(commands: &Commands) {
+    // SAFETY: recorded outside a render pass.
+    unsafe {
+        commands.device.raw.cmd_pipeline_barrier(
+            commands.raw,
+            ANY,
+            ANY,
+            vk::DependencyFlags::empty(),
+            &[all_memory()],
+            &[],
+            &[],
+        );
+    }
+}
+
+/// Storage writes of one dispatch before the reads and writes of the next in the same pass.
+pub fn dispatches(commands: &Commands) {
+    let barrier = vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::SHADER_WRITE | vk::AccessFlags::TRANSFER_WRITE)
+        .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE);
+    let stages = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::TRANSFER;
+    // SAFETY: recorded outside a render pass.
+    unsafe {
+        commands.device.raw.cmd_pipeline_barrier(
+            commands.raw,
+            stages,
+            vk::PipelineStageFlags::COMPUTE_SHADER,
+            vk::DependencyFlags::empty(),
+            &[barrier],
+            &[],
+            &[],
+        );
+    }
+}
+
+/// Moves all of an image from one layout to another, ordered with everything around it.
+pub fn image_layout(commands: &Commands, image: &Image, from: vk::ImageLayout, to: vk::ImageLayout) {
+    let range = vk::ImageSubresourceRange::default()
+        .aspect_mask(image.aspect())
+        .level_count(1)
+        .layer_count(image.desc.layers.unwrap_or(1));
+    let barrier = vk::ImageMemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
+        .old_layout(from)
+        .new_layout(to)
+        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+        .image(image.raw)
+        .subresource_range(range);
+    // SAFETY: recorded outside a render pass; the image outlives the submission.
+    unsafe {
+        commands.device.raw.cmd_pipeline_barrier(
+            commands.raw,
+            ANY,
+            ANY,
+            vk::DependencyFlags::empty(),
+            &[],
+            &[],
+            &[barrier],
+        );
+    }
+}

@@ -1,0 +1,166 @@
+//! What a device can do, asked once; every choice between a feature and its fallback reads it here.
+
+use super::error::{Error, Result};
+use super::instance::{Instance, PhysicalDevice};
+use ash::vk;
+
+/// Limits and optional features that the passes depend on.
+#[derive(Clone, Debug)]
+pub struct Capabilities {
+    /// Vulkan's own limits.
+    pub limits: vk::PhysicalDeviceLimits,
+    /// Largest number of views of one multi-view render pass.
+    pub max_views: u32,
+    /// Largest layer of a framebuffer, in the number of layers.
+    pub max_layers: u32,
+    /// Largest single allocation in bytes.
+    pub max_allocation: u64,
+    /// Sum of the device-local heaps in bytes.
+    pub device_memory: u64,
+    /// Indirect draws take their count from a buffer; without it, draws left over are drawn with zero instances.
+    pub draw_indirect_count: bool,
+    /// More than one draw per indirect call; without it, one call per draw.
+    pub multi_draw_indirect: bool,
+    /// `gl_PrimitiveID` in fragment shaders; without it, triangles are drawn unindexed.
+    pub primitive_id: bool,
+    /// Valid bits of a timestamp on the queue; 0 means no timestamps.
+    pub timestamp_bits: u32,
+    /// Nanoseconds a timestamp tick.
+    pub timestamp_period: f64,
+    /// Queue family with graphics and compute.
+    pub queue_family: u32,
+}
+
+/// One line of `hemicube info`: a feature and what lacking it costs.
+pub struct Requirement {
+    /// Feature as Vulkan names it.
+    pub name: &'static str,
+    /// What it serves, or what its absence costs.
+    pub cost: &'static str,
+    /// Whether the device has it.
+    pub has: fn(&Capabilities) -> bool,
+}
+
+/// The optional features that a plan reads.
+pub const REQUIREMENTS: &[Requirement] = &[
+    Requirement {
+        name: "drawIndirectCount",
+        cost: "without it every cluster is an indirect draw, culled ones with zero instances",
+        has: |c| c.draw_indirect_count,
+    },
+    Requirement {
+        name: "multiDrawIndirect",
+        cost: "without it scenes are captured without culling",
+        has: |c| c.multi_draw_indirect,
+    },
+    Requirement {
+        name: "geometryShader (gl_PrimitiveID)",
+        cost: "without it captures draw unindexed triangles, three vertices each",
+        has: |c| c.primitive_id,
+    },
+    Requirement { name: "timestamps", cost: "without them GPU times are not reported", has: |c| c.timestamp_bits > 0 },
+];
+
+impl Capabilities {
+    /// Asks `device`; an error names what has no fallback and is missing.
+    pub(super) fn query(instance: &Instance, device: &PhysicalDevice) -> Result<Self> {
+        let missing = |feature: &str, purpose| Error::MissingFeature {
+            device: device.name.clone(),
+            feature: feature.to_owned(),
+            purpose,
+        };
+        if device.api_version < vk::API_VERSION_1_2 {
+            return Err(missing("Vulkan 1.2", "every pass is written for"));
+        }
+        let queue_family = queue_family(instance, device.raw)
+            .ok_or_else(|| missing("a queue with graphics and compute", "runs every pass"))?;
+        let (features, features_1_1, features_1_2) = features(instance, device.raw);
+        if features_1_1.multiview == vk::FALSE {
+            return Err(missing("multiview", "draws the faces of a hemicube in one render pass"));
+        }
+        if features.draw_indirect_first_instance == vk::FALSE {
+            return Err(missing("drawIndirectFirstInstance", "tells a culled cluster which triangles it holds"));
+        }
+        if features.shader_clip_distance == vk::FALSE {
+            return Err(missing("shaderClipDistance", "cuts captures at the horizon"));
+        }
+        check_formats(instance, device, &missing)?;
+        let (limits, properties_1_1) = properties(instance, device.raw);
+        // SAFETY: the handle comes from this instance.
+        let memory = unsafe { instance.raw.get_physical_device_memory_properties(device.raw) };
+        // SAFETY: as above.
+        let family = unsafe { instance.raw.get_physical_device_queue_family_properties(device.raw) }
+            [queue_family as usize];
+        Ok(Self {
+            limits,
+            max_views: properties_1_1.0,
+            max_layers: limits.max_framebuffer_layers,
+            max_allocation: properties_1_1.1,
+            device_memory: memory
+                .memory_heaps_as_slice()
+                .iter()
+                .filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
+                .map(|heap| heap.size)
+                .sum(),
+            draw_indirect_count: features_1_2.draw_indirect_count == vk::TRUE,
+            multi_draw_indirect: features.multi_draw_indirect == vk::TRUE,
+            primitive_id: features.geometry_shader == vk::TRUE,
+            timestamp_bits: family.timestamp_valid_bits,
+            timestamp_period: f64::from(limits.timestamp_period),
+            queue_family,
+        })
+    }
+}
+
+type Features =
+    (vk::PhysicalDeviceFeatures, vk::PhysicalDeviceVulkan11Features<'static>, vk::PhysicalDeviceVulkan12Features<'static>);
+
+fn features(instance: &Instance, device: vk::PhysicalDevice) -> Features {
+    let mut v11 = vk::PhysicalDeviceVulkan11Features::default();
+    let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
+    let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut v11).push_next(&mut v12);
+    // SAFETY: the chain's structs live through the call; the device implements 1.2, so both are known to it.
+    unsafe { instance.raw.get_physical_device_features2(device, &mut all) };
+    let base = all.features;
+    v11.p_next = std::ptr::null_mut();
+    v12.p_next = std::ptr::null_mut();
+    (base, v11, v12)
+}
+
+fn properties(instance: &Instance, device: vk::PhysicalDevice) -> (vk::PhysicalDeviceLimits, (u32, u64)) {
+    let mut v11 = vk::PhysicalDeviceVulkan11Properties::default();
+    let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut v11);
+    // SAFETY: the chain's structs live through the call.
+    unsafe { instance.raw.get_physical_device_properties2(device, &mut all) };
+    let limits = all.properties.limits;
+    (limits, (v11.max_multiview_view_count, v11.max_memory_allocation_size))
+}
+
+fn queue_family(instance: &Instance, device: vk::PhysicalDevice) -> Option<u32> {
+    let both = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
+    // SAFETY: the handle comes from this instance.
+    let families = unsafe { instance.raw.get_physical_device_queue_family_properties(device) };
+    families.iter().position(|family| family.queue_flags.contains(both)).map(|index| index as u32)
+}
+
+/// Formats beyond the ones that Vulkan makes mandatory.
+fn check_formats(
+    instance: &Instance,
+    device: &PhysicalDevice,
+    missing: &dyn Fn(&str, &'static str) -> Error,
+) -> Result<()> {
+    let has = |format, needed| {
+        // SAFETY: the handle comes from this instance.
+        let properties = unsafe { instance.raw.get_physical_device_format_properties(device.raw, format) };
+        properties.optimal_tiling_features.contains(needed)
+    };
+    let blend = vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND;
+    if !has(vk::Format::R32G32B32A32_SFLOAT, blend) {
+        return Err(missing("blending on R32G32B32A32_SFLOAT", "sums the records' splats"));
+    }
+    let depth = vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT | vk::FormatFeatureFlags::SAMPLED_IMAGE;
+    if !has(vk::Format::D32_SFLOAT, depth) {
+        return Err(missing("sampled D32_SFLOAT", "holds shadow and capture depths"));
+    }
+    Ok(())
+}

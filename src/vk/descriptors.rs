@@ -1,0 +1,139 @@
+//! Descriptor sets: a list of resources in binding order.
+
+use super::buffer::Buffer;
+use super::device::Device;
+use super::error::{Context, Result};
+use super::image::Image;
+use ash::vk;
+use std::sync::Arc;
+
+/// A resource for a shader, in the order of its bindings.
+#[derive(Clone, Copy)]
+pub enum Binding<'a> {
+    /// A storage buffer, whole.
+    Storage(&'a Buffer),
+    /// An image read by `texelFetch`; depth images are expected in the depth read-only layout.
+    Texels(&'a Image),
+    /// An image read through a sampler.
+    Sampled(&'a Image, vk::Sampler),
+}
+
+impl Binding<'_> {
+    fn kind(&self) -> vk::DescriptorType {
+        match self {
+            Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
+            Self::Texels(_) => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::Sampled(..) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+        }
+    }
+}
+
+/// The kinds of a set's bindings, visible to all stages.
+pub struct SetLayout {
+    pub(super) raw: vk::DescriptorSetLayout,
+    kinds: Vec<vk::DescriptorType>,
+    device: Arc<Device>,
+}
+
+impl SetLayout {
+    /// A layout with one binding a kind, numbered in order.
+    pub fn new(device: &Arc<Device>, kinds: &[vk::DescriptorType]) -> Result<Self> {
+        let bindings: Vec<_> = kinds
+            .iter()
+            .enumerate()
+            .map(|(index, kind)| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(index as u32)
+                    .descriptor_type(*kind)
+                    .descriptor_count(1)
+                    .stage_flags(
+                        vk::ShaderStageFlags::VERTEX
+                            | vk::ShaderStageFlags::FRAGMENT
+                            | vk::ShaderStageFlags::COMPUTE,
+                    )
+            })
+            .collect();
+        let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+        // SAFETY: the device is alive and `info` is complete.
+        let raw = unsafe { device.raw.create_descriptor_set_layout(&info, None) }.during("creating a set layout")?;
+        Ok(Self { raw, kinds: kinds.to_vec(), device: device.clone() })
+    }
+
+    /// The layout that `bindings` have.
+    pub fn of(device: &Arc<Device>, bindings: &[Binding<'_>]) -> Result<Self> {
+        Self::new(device, &bindings.iter().map(Binding::kind).collect::<Vec<_>>())
+    }
+}
+
+impl Drop for SetLayout {
+    fn drop(&mut self) {
+        // SAFETY: pipelines and sets made from the layout do not need it any more.
+        unsafe { self.device.raw.destroy_descriptor_set_layout(self.raw, None) };
+    }
+}
+
+/// A descriptor set with a pool of its own.
+pub struct DescriptorSet {
+    pub(super) raw: vk::DescriptorSet,
+    pool: vk::DescriptorPool,
+    device: Arc<Device>,
+}
+
+impl DescriptorSet {
+    /// A set that names `bindings`; they must outlive every submission that uses it.
+    pub fn new(layout: &SetLayout, bindings: &[Binding<'_>]) -> Result<Self> {
+        let device = &layout.device;
+        debug_assert!(bindings.iter().map(Binding::kind).eq(layout.kinds.iter().copied()), "bindings fit the layout");
+        let sizes: Vec<_> =
+            layout.kinds.iter().map(|kind| vk::DescriptorPoolSize::default().ty(*kind).descriptor_count(1)).collect();
+        let pool_info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+        // SAFETY: the device is alive and `pool_info` is complete.
+        let pool = unsafe { device.raw.create_descriptor_pool(&pool_info, None) }.during("creating a pool")?;
+        let mut set = Self { raw: vk::DescriptorSet::null(), pool, device: device.clone() };
+        let layouts = [layout.raw];
+        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        // SAFETY: the pool has room for exactly this set.
+        set.raw = unsafe { device.raw.allocate_descriptor_sets(&info) }.during("allocating a descriptor set")?[0];
+        for (index, binding) in bindings.iter().enumerate() {
+            set.write(index as u32, binding);
+        }
+        Ok(set)
+    }
+
+    fn write(&self, index: u32, binding: &Binding<'_>) {
+        let mut buffers = [vk::DescriptorBufferInfo::default().range(vk::WHOLE_SIZE)];
+        let mut images = [vk::DescriptorImageInfo::default()];
+        let write = vk::WriteDescriptorSet::default().dst_set(self.raw).dst_binding(index).descriptor_type(binding.kind());
+        let write = match binding {
+            Binding::Storage(buffer) => {
+                buffers[0].buffer = buffer.raw;
+                write.buffer_info(&buffers)
+            }
+            Binding::Texels(image) | Binding::Sampled(image, _) => {
+                images[0].image_view = image.view;
+                images[0].image_layout = read_layout(image);
+                if let Binding::Sampled(_, sampler) = binding {
+                    images[0].sampler = *sampler;
+                }
+                write.image_info(&images)
+            }
+        };
+        // SAFETY: the set is not in use; the resources are alive.
+        unsafe { self.device.raw.update_descriptor_sets(&[write], &[]) };
+    }
+}
+
+/// The layout in which an image is read by shaders.
+pub(super) fn read_layout(image: &Image) -> vk::ImageLayout {
+    match image.desc.format {
+        vk::Format::D32_SFLOAT => vk::ImageLayout::DEPTH_STENCIL_READ_ONLY_OPTIMAL,
+        _ => vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+    }
+}
+
+impl Drop for DescriptorSet {
+    fn drop(&mut self) {
+        // SAFETY: every submission that used the set has been waited for; the pool frees it.
+        unsafe { self.device.raw.destroy_descriptor_pool(self.pool, None) };
+    }
+}

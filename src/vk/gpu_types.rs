@@ -1,0 +1,103 @@
+//! Structs shared with the shaders (`glsl/shared/types.glsl`), their layouts asserted at compile time.
+
+use bytemuck::{Pod, Zeroable};
+
+/// A place to look from; `Frame` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Frame {
+    /// Origin; near distance.
+    pub origin: [f32; 4],
+    /// First axis; projection scale along it.
+    pub tangent: [f32; 4],
+    /// Second axis; projection scale along it.
+    pub bitangent: [f32; 4],
+    /// Axis of the view; 1/depth range of an orthographic view.
+    pub normal: [f32; 4],
+    /// Plane below which nothing is seen.
+    pub horizon: [f32; 4],
+}
+
+/// Place and validity of an irradiance record; `Record` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Record {
+    /// Position; radius of the zone of influence.
+    pub position: [f32; 4],
+    /// Shading normal; 1/R, unclamped.
+    pub normal: [f32; 4],
+    /// Geometric normal; footprint of a pixel.
+    pub geometric: [f32; 4],
+}
+
+/// What a record carries; `Payload` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Payload {
+    /// Irradiance, W·m⁻².
+    pub irradiance: [f32; 4],
+    /// Rotation gradient a channel.
+    pub rotation: [[f32; 4]; 3],
+    /// Translation gradient a channel.
+    pub translation: [[f32; 4]; 3],
+}
+
+/// One sample of a light; `LightSample` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightSample {
+    /// Position; squared disc radius of an area sample.
+    pub position: [f32; 4],
+    /// Axis; cosine of a spot's outer angle.
+    pub direction: [f32; 4],
+    /// Irradiance, intensity, or radiance × area; a spot's falloff scale.
+    pub power: [f32; 4],
+}
+
+/// A material; `Material` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Material {
+    /// Albedo and alpha.
+    pub base_color: [f32; 4],
+    /// Emitted radiance; normal map scale.
+    pub emission: [f32; 4],
+    /// Rows of the base texture's transform; texture coordinate set.
+    pub base_uv: [[f32; 4]; 2],
+    /// The normal map's.
+    pub normal_uv: [[f32; 4]; 2],
+    /// The emission texture's.
+    pub emission_uv: [[f32; 4]; 2],
+    /// Alpha cutoff; 1 if the back emits too.
+    pub alpha: [f32; 4],
+}
+
+/// A texel of a capture; `Texel` in `integrate.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Texel {
+    /// Local unit direction; cosine-weighted solid angle.
+    pub direction: [f32; 4],
+    /// Layer, row and column packed; then float bits of the solid angle and of 1/(forward component).
+    pub place: [u32; 4],
+}
+
+/// An edge between two texels of a capture; `Edge` in `integrate.comp`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Edge {
+    /// Factor of the translation gradient, local.
+    pub step: [f32; 4],
+    /// The two texels.
+    pub texels: [u32; 4],
+}
+
+const _: () = {
+    assert!(size_of::<Frame>() == 80);
+    assert!(size_of::<Record>() == 48);
+    assert!(size_of::<Payload>() == 112);
+    assert!(size_of::<LightSample>() == 48);
+    assert!(size_of::<Material>() == 144);
+    assert!(size_of::<Texel>() == 32);
+    assert!(size_of::<Edge>() == 32);
+};

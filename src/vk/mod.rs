@@ -1,0 +1,38 @@
+//! Vulkan made plain: the objects a pass needs, each owned by a value that destroys it.
+//!
+//! Ownership: [`Device`] is shared by `Arc`; every buffer, image and pipeline keeps one and goes before it. A value may
+//! be dropped only when the GPU is done with it: every submission here is waited for ([`Commands::finish`]), so the rule
+//! holds wherever a value outlives the command recording that names it.
+//!
+//! Synchronisation: [`pass::Passes::begin`] stands between passes with a full memory barrier, so that each pass sees all
+//! that went before; within a pass, render passes state their own dependencies and [`barrier`] has the rest.
+
+pub mod barrier;
+mod buffer;
+mod capabilities;
+mod commands;
+mod descriptors;
+mod device;
+mod error;
+pub mod gpu_types;
+mod image;
+mod instance;
+pub mod pass;
+mod pipeline;
+mod render_pass;
+mod shader;
+mod timer;
+
+pub use buffer::{Buffer, Memory};
+pub use capabilities::{Capabilities, REQUIREMENTS, Requirement};
+pub use commands::Commands;
+pub use descriptors::{Binding, DescriptorSet, SetLayout};
+pub use device::{Device, DeviceChoice, MemoryUse};
+pub use error::{Error, Result};
+pub use image::{Image, ImageDesc, Sampler};
+pub use instance::{Instance, PhysicalDevice};
+pub use pipeline::{ComputePipeline, GraphicsDesc, GraphicsPipeline, PipelineLayout, VertexInput};
+pub use render_pass::{Attachment, Framebuffer, Load, RenderPass, RenderPassDesc};
+pub use shader::Specialisation;
+pub(crate) use shader::spirv;
+pub use timer::Span;
