@@ -84,6 +84,8 @@ class Radiance:
         return self.folder / f"{kind}{number}"
 
     def _trace(self, command: list[str], processes: int) -> None:
+        if processes > 1:  # makes the cache file: processes that do so at once wait seconds for each other
+            subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, env=self.environment, check=True)
         running = []
         for k in range(processes):
             with self._part(k, "rays").open("rb") as rays, self._part(k, "answer").open("wb") as answer:
