@@ -92,8 +92,14 @@ class Scene:
 
 
 def load(path: Path) -> Scene:
-    """Reads a .gltf or .glb file."""
-    return _Reader(path).scene()
+    """Reads a .gltf or .glb file; what it cannot read ends the program with one line."""
+    try:
+        scene = _Reader(path).scene()
+    except (KeyError, IndexError, TypeError, AttributeError, ValueError, OSError, RecursionError, struct.error) as error:
+        raise SystemExit(f"{path}: not a glTF file that this reader understands: {error!r}") from error
+    if not scene.meshes:
+        raise SystemExit(f"{path}: no triangles")
+    return scene
 
 
 class _Reader:
@@ -118,7 +124,7 @@ class _Reader:
         materials.append(Material("default", np.ones(3), None, np.zeros(3), False))
         scene = Scene(materials, notes=self.notes)
         which = self.json.get("scene", 0)
-        for node in self.json["scenes"][which].get("nodes", []):
+        for node in self.json["scenes"][which]["nodes"]:
             self._node(scene, node, np.eye(4))
         return scene
 
