@@ -268,6 +268,8 @@ def main() -> None:
     """Runs what is asked for, point by point."""
     options = arguments()
     enter_environment()
+    if os.getloadavg()[0] > 0.5:
+        print("note: this machine is busy with something else: wall times will be too long", file=sys.stderr)
     runner = Runner(options)
     for peer in options.peers.split(","):
         if peer not in ("radiance", "mitsuba"):
