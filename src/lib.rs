@@ -5,7 +5,10 @@
 
 pub mod image;
 pub mod math;
+pub mod methods;
+pub mod passes;
 pub mod reference;
+pub mod renderer;
 pub mod report;
 pub mod scene;
 pub mod vk;

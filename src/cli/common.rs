@@ -1,8 +1,11 @@
 //! Flags that several subcommands share, and their checks.
-#![allow(dead_code)] // removed with the first subcommand
 
+use anyhow::{Context, Result};
 use clap::Args;
+use hemicube::scene::{self, Background, Camera, Scene};
+use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The scene and what surrounds it.
 #[derive(Args, Clone, Debug)]
@@ -17,13 +20,73 @@ pub struct SceneArgs {
     pub camera: Option<String>,
 }
 
+impl SceneArgs {
+    /// Loads the scene and its background.
+    pub fn load(&self) -> Result<Scene> {
+        let mut scene = match &self.scene {
+            Some(path) => scene::load(path)?,
+            None => scene::cornell(),
+        };
+        if let Some(background) = &self.background {
+            scene.background = Background::parse(background)?;
+        }
+        Ok(scene)
+    }
+
+    /// The camera asked for, and a note where one had to be made up.
+    pub fn camera(&self, scene: &Scene) -> Result<(Camera, Option<String>)> {
+        Ok(scene.camera(self.camera.as_deref())?)
+    }
+}
+
 /// Size of the image.
 #[derive(Args, Clone, Debug)]
 pub struct ImageArgs {
-    /// Width in pixels; default 1280, or from --height and the camera's shape
+    /// Width in pixels; default: from --height and the camera's shape, which alone fits into 1280 × 720
     #[arg(long, value_name = "PIXELS", help_heading = "Image")]
     pub width: Option<u32>,
-    /// Height in pixels; default 720, or from --width and the camera's shape
+    /// Height in pixels; default: from --width and the camera's shape
     #[arg(long, value_name = "PIXELS", help_heading = "Image")]
     pub height: Option<u32>,
+}
+
+/// The Vulkan device.
+#[derive(Args, Clone, Debug)]
+pub struct DeviceArgs {
+    /// Device by index or a part of its name (see `hemicube info`); default: a discrete GPU before an integrated one before
+    /// a CPU
+    #[arg(long, value_name = "INDEX|NAME", help_heading = "Device")]
+    pub device: Option<String>,
+    /// Check every Vulkan call, synchronisation included; messages go to the standard error output and are counted
+    #[arg(long, help_heading = "Device")]
+    pub validate: bool,
+}
+
+impl DeviceArgs {
+    /// Opens the device.
+    pub fn open(&self) -> Result<Arc<Device>> {
+        let choice = self.device.clone().map_or(DeviceChoice::Best, DeviceChoice::Named);
+        let instance = Instance::new(self.validate)?;
+        Ok(Device::new(instance, &choice)?)
+    }
+}
+
+/// How much is said.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct TalkArgs {
+    /// Say nothing but errors
+    #[arg(short, long, help_heading = "Messages", conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more: what is left out and why, notes on the scene
+    #[arg(short, long, help_heading = "Messages")]
+    pub verbose: bool,
+}
+
+/// Fails before any work if `path` cannot be written: its folder is missing or is not a folder.
+pub fn check_output(path: &std::path::Path) -> Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or_else(|| std::path::Path::new("."));
+    let meta = std::fs::metadata(folder).with_context(|| format!("cannot write {}: its folder", path.display()))?;
+    anyhow::ensure!(meta.is_dir(), "cannot write {}: {} is not a folder", path.display(), folder.display());
+    anyhow::ensure!(!path.is_dir(), "cannot write {}: it is a folder", path.display());
+    Ok(())
 }

@@ -4,6 +4,8 @@
 
 mod common;
 mod compare;
+mod info;
+mod render;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -19,17 +21,26 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
+    Info(info::InfoArgs),
 }
 
 /// Runs the chosen subcommand.
 pub fn run(cli: Cli) -> Result<ExitCode> {
     match cli.command {
+        Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Info(args) => info::run(&args),
     }
 }
 
-/// Exit code of a failed run: whatever is not the device's fault is the input's.
-pub fn exit_code(_error: &anyhow::Error) -> ExitCode {
-    ExitCode::from(2)
+/// Exit code of a failed run: 3 where the device is at fault, 2 where the input is.
+pub fn exit_code(error: &anyhow::Error) -> ExitCode {
+    use hemicube::renderer::RenderError;
+    let vulkan = match error.downcast_ref::<RenderError>() {
+        Some(RenderError::Vulkan(error)) => Some(error),
+        _ => error.downcast_ref::<hemicube::vk::Error>(),
+    };
+    ExitCode::from(if vulkan.is_some() { 3 } else { 2 })
 }

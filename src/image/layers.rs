@@ -5,10 +5,11 @@ use std::str::FromStr;
 use thiserror::Error;
 
 /// The layers a render can write beside the colour itself, with what they hold.
-pub const KNOWN: [(&str, &str); 10] = [
+pub const KNOWN: [(&str, &str); 11] = [
     ("direct", "radiance that leaves the surface after direct light, W·sr⁻¹·m⁻²"),
     ("indirect", "radiance that leaves the surface after indirect light, W·sr⁻¹·m⁻²"),
     ("irradiance", "indirect irradiance, W·m⁻²"),
+    ("irradiance_direct", "direct irradiance, W·m⁻²"),
     ("albedo", "diffuse reflectance, 0 to 1"),
     ("N", "unit normal in world space"),
     ("P", "position in world space, metres"),

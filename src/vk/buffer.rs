@@ -125,8 +125,13 @@ impl Buffer {
 
     /// The first `count` values of a read-back buffer whose copy has been waited for.
     pub fn read<T: Pod>(&self, count: usize) -> Vec<T> {
+        self.read_from(0, count)
+    }
+
+    /// `count` values from the `first`-th on.
+    pub fn read_from<T: Pod>(&self, first: usize, count: usize) -> Vec<T> {
         let mapped = self.allocation.as_ref().and_then(|a| a.mapped_slice()).expect("read-back memory is mapped");
-        bytemuck::pod_collect_to_vec(&mapped[..count * size_of::<T>()])
+        bytemuck::pod_collect_to_vec(&mapped[first * size_of::<T>()..(first + count) * size_of::<T>()])
     }
 
     /// The first `count` values of a device buffer; waits for the copy. For tests and small results.

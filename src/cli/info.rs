@@ -1,0 +1,80 @@
+//! `hemicube info`: the devices of this machine, or what a scene needs.
+
+use super::common::SceneArgs;
+use anyhow::Result;
+use clap::Args;
+use hemicube::renderer::{Plan, Settings};
+use hemicube::scene::Scene;
+use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
+use std::process::ExitCode;
+
+/// Show the devices and their limits, or what a scene needs and what is left out
+///
+/// Without SCENE: every Vulkan device, the limits and options that matter here, and what each missing option costs. With
+/// SCENE: its size, lights and cameras, the passes that it needs, and those it does not with the reason.
+#[derive(Args, Debug)]
+pub struct InfoArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+}
+
+/// Runs the subcommand.
+pub fn run(args: &InfoArgs) -> Result<ExitCode> {
+    if args.scene.scene.is_some() {
+        let scene = args.scene.load()?;
+        let (_, note) = args.scene.camera(&scene)?;
+        describe(&scene, note.as_deref());
+    } else {
+        devices()?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+fn describe(scene: &Scene, note: Option<&str>) {
+    let (low, high) = scene.bounds();
+    println!("scene      {}", scene.name);
+    println!("triangles  {}", scene.triangles.len());
+    println!("vertices   {}", scene.positions.len());
+    println!("materials  {} in use, {} textures", scene.parts.len(), scene.textures.len());
+    println!("lights     {} punctual, {} emissive triangles", scene.lights.len(), scene.emitters().len());
+    let cameras: Vec<_> = scene.cameras.iter().map(|c| format!("\"{}\"", c.name)).collect();
+    println!("cameras    {}", if cameras.is_empty() { "none".into() } else { cameras.join(", ") });
+    println!("bounds     {low} to {high}, origin {}", scene.origin);
+    note.into_iter().for_each(|note| println!("note       {note}"));
+    scene.notes.iter().for_each(|note| println!("note       {note}"));
+    let plan = Plan::of(scene, &Settings::default());
+    println!("\nruns       {}", plan.run.join(", "));
+    for left in &plan.left_out {
+        println!("left out   {} ({})", left.pass, left.why);
+    }
+}
+
+fn devices() -> Result<()> {
+    let instance = Instance::new(false)?;
+    for (index, physical) in instance.physical_devices()?.into_iter().enumerate() {
+        let version = physical.api_version;
+        let (major, minor) = (ash::vk::api_version_major(version), ash::vk::api_version_minor(version));
+        println!("{index}  {} ({:?}, Vulkan {major}.{minor}, {})", physical.name, physical.kind, physical.driver.trim());
+        match Device::new(instance.clone(), &DeviceChoice::Named(index.to_string())) {
+            Err(error) => println!("   cannot be used: {error}"),
+            Ok(device) => describe_device(&device),
+        }
+    }
+    Ok(())
+}
+
+fn describe_device(device: &Device) {
+    let has = &device.capabilities;
+    println!("   device memory {} MB, largest allocation {} MB", has.device_memory >> 20, has.max_allocation >> 20);
+    println!(
+        "   largest image {0} × {0}, largest storage buffer {1} MB, {2} views a pass",
+        has.limits.max_image_dimension2_d,
+        has.limits.max_storage_buffer_range >> 20,
+        has.max_views
+    );
+    println!("   timestamps {} bits, {} ns a tick", has.timestamp_bits, has.timestamp_period);
+    for requirement in REQUIREMENTS {
+        let verdict = if (requirement.has)(has) { "yes" } else { "no " };
+        println!("   {verdict}  {}: {}", requirement.name, requirement.cost);
+    }
+}

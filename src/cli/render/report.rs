@@ -1,0 +1,174 @@
+//! What a render says: the plan before it runs, the table after, and the files of `--stats` and `--trace`.
+
+use crate::cli::common::TalkArgs;
+use anyhow::Result;
+use hemicube::image::Picture;
+use hemicube::renderer::{Plan, Rendered, Settings};
+use hemicube::report::profile::Profile;
+use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
+use hemicube::report::trace::Trace;
+use hemicube::scene::Scene;
+use hemicube::vk::{Device, Span};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Gathers what a run has to say.
+pub struct Report {
+    talk: TalkArgs,
+    started: Instant,
+    device: Arc<Device>,
+    stages: Vec<(String, f64)>,
+}
+
+impl Report {
+    /// A run that began at `started`.
+    pub fn new(talk: TalkArgs, started: Instant, device: &Arc<Device>) -> Self {
+        Self { talk, started, device: device.clone(), stages: Vec::new() }
+    }
+
+    /// Notes a stage of the CPU.
+    pub fn stage(&mut self, name: &str, length: Duration) {
+        self.stages.push((name.into(), length.as_secs_f64() * 1e3));
+    }
+
+    /// Says what is rendered, on what, and what is left out.
+    pub fn scene(&self, scene: &Scene, note: Option<&str>, settings: &Settings) {
+        if self.talk.quiet {
+            return;
+        }
+        println!("device: {} ({})", self.device.physical.name, self.device.physical.driver.trim());
+        println!(
+            "scene: {}, {} triangles, {} × {} pixels",
+            scene.name,
+            scene.triangles.len(),
+            settings.width,
+            settings.height
+        );
+        note.into_iter().for_each(|note| println!("note: {note}"));
+        if self.talk.verbose {
+            scene.notes.iter().for_each(|note| println!("note: {note}"));
+        } else if !scene.notes.is_empty() {
+            println!("note: {} remarks on the file; -v shows them", scene.notes.len());
+        }
+        let plan = Plan::of(scene, settings);
+        println!("plan: {}", plan.run.join(", "));
+        for left in &plan.left_out {
+            println!("left out: {} ({})", left.pass, left.why);
+        }
+    }
+
+    /// Warns of values that no picture should have.
+    pub fn check(&self, picture: &Picture) {
+        for (channel, count) in picture.non_finite() {
+            eprintln!("warning: {count} pixels of {channel} are NaN or infinite");
+        }
+    }
+
+    /// Takes over the renderer's stages.
+    pub fn rendered(&mut self, rendered: &Rendered, writing: Duration) {
+        self.stages.extend(rendered.stages.iter().map(|(name, span)| (name.clone(), span.end_ms - span.begin_ms)));
+        self.stage("write image", writing);
+    }
+
+    /// Prints the table and writes the files.
+    pub fn finish(
+        &self,
+        scene: &Scene,
+        rendered: &Rendered,
+        output: &Path,
+        stats: Option<&Path>,
+        trace: Option<&Path>,
+    ) -> Result<()> {
+        let profile = self.profile(rendered);
+        let messages = self.device.instance.validation_messages();
+        if let Some(path) = stats {
+            self.stats(scene, rendered, &profile, messages).write(path)?;
+        }
+        if let Some(path) = trace {
+            self.trace(rendered).write(path)?;
+        }
+        if !self.talk.quiet {
+            println!();
+            print!("{profile}");
+            println!(
+                "{} records in {} rounds, {} MB on the device, wrote {}",
+                rendered.cache.records,
+                rendered.cache.rounds,
+                rendered.memory.peak >> 20,
+                output.display()
+            );
+            if messages > 0 {
+                println!("{messages} validation messages");
+            }
+        }
+        Ok(())
+    }
+
+    fn profile(&self, rendered: &Rendered) -> Profile {
+        let mut profile = Profile {
+            gpu_ms: rendered.submissions.iter().map(length).sum(),
+            wall_ms: self.started.elapsed().as_secs_f64() * 1e3,
+            cpu_stages: self.stages.clone(),
+            ..Profile::default()
+        };
+        for run in &rendered.passes {
+            let pass = profile.pass(run.name);
+            pass.gpu_ms.extend(run.gpu.as_ref().map(length));
+            pass.cpu_ms += length(&run.cpu);
+        }
+        profile
+    }
+
+    fn stats(&self, scene: &Scene, rendered: &Rendered, profile: &Profile, messages: u32) -> Stats {
+        let mut stats = Stats::new();
+        stats.device = self.device.physical.name.clone();
+        stats.driver = self.device.physical.driver.trim().to_owned();
+        stats.scene = SceneStats {
+            triangles: scene.triangles.len() as u64,
+            vertices: scene.positions.len() as u64,
+            lights: scene.lights.len() as u64 + u64::from(rendered.plan.emission),
+            materials: scene.parts.len() as u64,
+        };
+        stats.plan = PlanStats {
+            run: rendered.plan.run.iter().map(|s| (*s).to_owned()).collect(),
+            left_out: rendered
+                .plan
+                .left_out
+                .iter()
+                .map(|l| LeftOut { pass: l.pass.to_owned(), why: l.why.clone() })
+                .collect(),
+        };
+        stats.records = rendered.cache.records;
+        stats.rounds = rendered.cache.rounds;
+        stats.memory = Memory {
+            gpu_bytes: rendered.memory.peak,
+            by_use: rendered.memory.by_use.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)).collect(),
+        };
+        stats.validation_messages = u64::from(messages);
+        stats.set_times(profile);
+        stats
+    }
+
+    /// GPU passes on one track, CPU stages and the recording of passes on two others.
+    fn trace(&self, rendered: &Rendered) -> Trace {
+        let mut trace = Trace::new();
+        let gpu = trace.track("GPU queue");
+        let recording = trace.track("CPU recording");
+        let stages = trace.track("CPU stages");
+        for pass in &rendered.passes {
+            if let Some(span) = &pass.gpu {
+                trace.span(gpu, pass.name, span.begin_ms * 1e3, length(span) * 1e3);
+            }
+            trace.span(recording, pass.name, pass.cpu.begin_ms * 1e3, length(&pass.cpu) * 1e3);
+        }
+        for (name, span) in &rendered.stages {
+            trace.span(stages, name, span.begin_ms * 1e3, length(span) * 1e3);
+        }
+        trace
+    }
+}
+
+fn length(span: &Span) -> f64 {
+    span.end_ms - span.begin_ms
+}

@@ -1,0 +1,254 @@
+//! Irradiance-cache splatting (Gautron, Křivánek, Bouatouch and Pattanaik 2005; S0): records in rounds, from coarse to
+//! fine, until every visible pixel is covered.
+
+use crate::passes::capture::{Capture, CaptureDesc, Views};
+use crate::passes::find_uncovered::{FindUncovered, Lattice};
+use crate::passes::gbuffer::Targets;
+use crate::passes::geometry::Geometry;
+use crate::passes::integrate::{Gradients, Integrate, Limits};
+use crate::passes::material::Textures;
+use crate::passes::place_records::{PlaceRecords, Placement};
+use crate::passes::splat::{Outputs, Splat, View, Weight};
+use crate::scene::Scene;
+use crate::vk::gpu_types::{Payload, Record};
+use crate::vk::pass::{Recorder, Recording};
+use crate::vk::{Buffer, Device, Memory, Result};
+use std::sync::Arc;
+
+/// First lattice's distance between pixels.
+const COARSEST: u32 = 32;
+
+/// How the cache is built.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CacheSettings {
+    /// Ward's a: zones of influence have the radius a·R.
+    pub accuracy: f32,
+    /// Texels a side of a hemicube's top.
+    pub capture_size: u32,
+    /// Gradients to extrapolate with.
+    pub gradients: Gradients,
+    /// Smallest radius of a zone of influence in pixels.
+    pub min_radius: f32,
+    /// Largest.
+    pub max_radius: f32,
+    /// Weight of a record at a point.
+    pub weight: Weight,
+    /// Sum of weights from which a pixel counts as covered.
+    pub covered: f32,
+    /// √(1 − n·n_k) at which a record's weight has fallen to zero.
+    pub normal_limit: f32,
+    /// Seed of the hemicubes' turns.
+    pub seed: u32,
+}
+
+/// Where the cache is looked at from, for placing and splatting.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewpoint {
+    /// Placement of records but for the fields that change from batch to batch.
+    pub placement: Placement,
+    /// Camera of the splats.
+    pub view: View,
+}
+
+/// What a run of the cache did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CacheStats {
+    /// Records captured.
+    pub records: u64,
+    /// Rounds that found something to do.
+    pub rounds: u32,
+}
+
+/// Passes and buffers of the cache.
+pub struct IrradianceCache {
+    settings: CacheSettings,
+    capture: Capture,
+    find: FindUncovered,
+    place: PlaceRecords,
+    integrate: Integrate,
+    /// Splats and their sums.
+    pub splat: Splat,
+    _records: Buffer,
+    _payloads: Buffer,
+}
+
+impl IrradianceCache {
+    /// Builds what the cache needs; `sky` is the background's buffer, if there is one.
+    pub fn new(
+        device: &Arc<Device>,
+        scene: &Scene,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        gbuffer: &Targets,
+        sky: Option<&Buffer>,
+        counts_records: bool,
+        settings: CacheSettings,
+    ) -> Result<Self> {
+        let desc = CaptureDesc {
+            name: "capture",
+            views: Views::Hemicube,
+            size: settings.capture_size,
+            capacity: batch_size(settings.capture_size),
+            identity: true,
+        };
+        let capture = Capture::new(device, scene, geometry, textures, desc)?;
+        let capacity = u64::from(capture.desc.capacity);
+        let records = Buffer::new(device, "records", capacity * size_of::<Record>() as u64, Memory::Device)?;
+        let payloads = capacity * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
+        let payloads = Buffer::new(device, "records", payloads, Memory::Device)?;
+        let outputs = Outputs { sky: sky.is_some(), records: counts_records };
+        let both = (&records, &payloads);
+        let has_gradients = settings.gradients.rotation || settings.gradients.translation;
+        let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight)?;
+        let find = FindUncovered::new(device, gbuffer, &splat.sums.indirect)?;
+        let place = PlaceRecords::new(device, gbuffer, &find.found, &capture.frames, &records)?;
+        let limits = Limits {
+            accuracy: settings.accuracy,
+            min_radius: settings.min_radius,
+            max_radius: settings.max_radius,
+            scene_radius: geometry.radius,
+        };
+        let integrate = Integrate::new(device, geometry, &capture, both, sky, settings.gradients, limits)?;
+        Ok(Self { settings, capture, find, place, integrate, splat, _records: records, _payloads: payloads })
+    }
+
+    /// Whether captures are culled.
+    pub fn is_culled(&self) -> bool {
+        self.capture.is_culled()
+    }
+
+    /// Fills the cache until every pixel is covered. `progress` hears the records so far and the share of rounds done.
+    pub fn run(
+        &self,
+        recorder: &mut Recorder,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        viewpoint: &Viewpoint,
+        mut progress: impl FnMut(u64, f32),
+    ) -> Result<CacheStats> {
+        let mut stats = CacheStats::default();
+        let lattices = lattices();
+        recorder.submit(|recording| {
+            recording.pass("splat", |c| {
+                self.splat.record_clear(c);
+                Ok(())
+            })?;
+            self.find(recording, lattices[0])
+        })?;
+        for (index, next) in lattices.iter().skip(1).map(Some).chain([None]).enumerate() {
+            let found = self.find.count();
+            stats.rounds += u32::from(found > 0);
+            stats.records += u64::from(found);
+            self.round(recorder, geometry, textures, viewpoint, found, next.copied())?;
+            progress(stats.records, (index + 1) as f32 / lattices.len() as f32);
+        }
+        Ok(stats)
+    }
+
+    fn find(&self, recording: &mut Recording<'_>, lattice: Lattice) -> Result<()> {
+        recording.pass("find_uncovered", |c| {
+            self.find.record(c, lattice, self.settings.covered);
+            Ok(())
+        })
+    }
+
+    /// Captures and splats what was found, a submission a batch; the last one looks for the next round's pixels.
+    fn round(
+        &self,
+        recorder: &mut Recorder,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        viewpoint: &Viewpoint,
+        found: u32,
+        next: Option<Lattice>,
+    ) -> Result<()> {
+        let capacity = self.capture.desc.capacity;
+        let batches = found.div_ceil(capacity).max(1);
+        for batch in 0..batches {
+            let first = batch * capacity;
+            let count = (found - first.min(found)).min(capacity);
+            recorder.submit(|recording| {
+                if count > 0 {
+                    let placement = Placement { first, count, ..viewpoint.placement };
+                    self.batch(recording, geometry, textures, placement, &viewpoint.view)?;
+                }
+                match next.filter(|_| batch + 1 == batches) {
+                    Some(lattice) => self.find(recording, lattice),
+                    None => Ok(()),
+                }
+            })?;
+        }
+        Ok(())
+    }
+
+    fn batch(
+        &self,
+        recording: &mut Recording<'_>,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        placement: Placement,
+        view: &View,
+    ) -> Result<()> {
+        let count = placement.count;
+        recording.pass("place_records", |c| {
+            self.place.record(c, placement);
+            Ok(())
+        })?;
+        if self.capture.is_culled() {
+            recording.pass("cull", |c| {
+                self.capture.record_cull(c, count);
+                Ok(())
+            })?;
+        }
+        recording.pass("capture", |c| {
+            self.capture.record(c, geometry, textures, count);
+            Ok(())
+        })?;
+        recording.pass("integrate", |c| {
+            self.integrate.record(c, count);
+            Ok(())
+        })?;
+        recording.pass("splat", |c| {
+            self.splat.record(c, view, count);
+            Ok(())
+        })
+    }
+}
+
+/// Frames of a batch: about 64 MB of texels with all that goes with them.
+fn batch_size(capture_size: u32) -> u32 {
+    ((64 << 20) / (capture_size * capture_size * (5 * 8 + 3 * 16))).clamp(1, 1024)
+}
+
+/// Lattices from coarse to fine: each level adds three lattices between the pixels of those before it, one at a time, so
+/// that each sees what the others covered. Together they hold every pixel exactly once.
+fn lattices() -> Vec<Lattice> {
+    let mut all = vec![Lattice { stride: COARSEST, offset: [COARSEST / 2; 2] }];
+    let (mut stride, mut base) = (COARSEST, COARSEST / 2);
+    while stride > 1 {
+        let half = stride / 2;
+        for [dx, dy] in [[half, half], [half, 0], [0, half]] {
+            all.push(Lattice { stride, offset: [(base + dx) % stride, (base + dy) % stride] });
+        }
+        (stride, base) = (half, base % half.max(1));
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lattices_hold_every_pixel_once() {
+        let mut seen = vec![0_u32; 96 * 70];
+        for lattice in lattices() {
+            for y in (lattice.offset[1]..70).step_by(lattice.stride as usize) {
+                for x in (lattice.offset[0]..96).step_by(lattice.stride as usize) {
+                    seen[(y * 96 + x) as usize] += 1;
+                }
+            }
+        }
+        assert!(seen.iter().all(|n| *n == 1));
+    }
+}

@@ -1,0 +1,209 @@
+//! A frame: the plan, then its passes in order.
+//!
+//! [`Plan::of`] says what a scene needs before anything is built; [`render`] builds that and nothing else, and runs it.
+
+mod camera;
+mod output;
+mod plan;
+mod settings;
+
+pub use plan::{LeftOut, Plan};
+pub use settings::{Settings, SettingsError};
+
+use crate::image::Picture;
+use crate::methods::direct::{DirectLight, Extent, LightSet, Target, TooManyLights, light_sets};
+use crate::methods::irradiance_cache::{CacheStats, IrradianceCache};
+use crate::passes::gbuffer::GBuffer;
+use crate::passes::geometry::Geometry;
+use crate::passes::material::Textures;
+use crate::passes::resolve::{Inputs, Plane, Resolve};
+use crate::scene::{Background, Camera, Scene};
+use crate::vk::pass::{PassTime, Recorder};
+use crate::vk::{Buffer, Device, Error as VulkanError, Memory, MemoryUse, Span, barrier};
+use camera::View;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What can go wrong in a frame.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The device or the driver.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+    /// The settings.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// The scene's lights.
+    #[error(transparent)]
+    Lights(#[from] TooManyLights),
+}
+
+/// A finished frame and what it cost.
+pub struct Rendered {
+    /// The layers that were asked for.
+    pub picture: Picture,
+    /// What ran and what did not.
+    pub plan: Plan,
+    /// What the cache did.
+    pub cache: CacheStats,
+    /// Every pass that ran, in order.
+    pub passes: Vec<PassTime>,
+    /// Every submission.
+    pub submissions: Vec<Span>,
+    /// Stages on the CPU: name, begin since the start, and length, in milliseconds.
+    pub stages: Vec<(String, Span)>,
+    /// Device memory.
+    pub memory: MemoryUse,
+}
+
+/// Hears how far a long stage is: its name, done and all.
+pub type OnProgress<'a> = &'a mut dyn FnMut(&'static str, u64, u64);
+
+/// Renders `scene` from `camera`.
+pub fn render(
+    device: &Arc<Device>,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    on_progress: OnProgress<'_>,
+) -> Result<Rendered, RenderError> {
+    settings.check(device)?;
+    let plan = Plan::of(scene, settings);
+    let mut clock = Clock::new();
+    let size = [settings.width, settings.height];
+    let view = View::new(scene, camera, size);
+
+    // What the scene is made of.
+    let textures = Textures::new(device, scene)?;
+    let textures = textures.as_ref();
+    let geometry = Geometry::new(device, scene, plan.surface_cells)?;
+    let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
+    clock.lap("upload scene");
+
+    // What is seen.
+    let gbuffer = GBuffer::new(device, scene, &geometry, textures, size, plan.emission)?;
+    // What lights it directly.
+    let extent = Extent { bounds: geometry.bounds, radius: geometry.radius };
+    let sets = light_sets(scene, extent, &settings.lights, plan.sky && plan.captures && settings.bounces > 0)?;
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let direct = plan
+        .lights
+        .then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device))
+        .transpose()?;
+    let target = Target { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets, direct: direct.as_ref() };
+    let lights = build_lights(device, sets, &target, plan.captures && settings.bounces > 0)?;
+    // What it reflects.
+    let cache = plan
+        .captures
+        .then(|| {
+            let counts = settings.planes.contains(&Plane::Records);
+            let targets = &gbuffer.targets;
+            IrradianceCache::new(device, scene, &geometry, textures, targets, sky.as_ref(), counts, settings.cache)
+        })
+        .transpose()?;
+    // The image.
+    let inputs = Inputs {
+        gbuffer: &gbuffer.targets,
+        sums: cache.as_ref().map(|cache| &cache.splat.sums),
+        direct: direct.as_ref(),
+        sky: sky.as_ref(),
+    };
+    let resolve = Resolve::new(device, &inputs, &settings.planes)?;
+    clock.lap("build passes");
+
+    let mut recorder = Recorder::new(device);
+    recorder.submit(|recording| {
+        recording.pass("clear", |c| {
+            if let Some(direct) = &direct {
+                c.fill(direct, 0);
+            }
+            c.fill(&geometry.cell_radiance, 0);
+            Ok(())
+        })?;
+        recording.pass("gbuffer", |c| {
+            gbuffer.record(c, scene, &geometry, textures, view.world_to_clip, view.eye);
+            Ok(())
+        })
+    })?;
+    let total = lights.iter().map(DirectLight::sample_count).sum::<usize>() as u64;
+    let mut lit = 0;
+    for light in &lights {
+        light.run(&mut recorder, &target, |samples| {
+            lit += samples as u64;
+            on_progress("direct light", lit, total);
+        })?;
+    }
+    let cache_stats = match &cache {
+        Some(cache) => {
+            let viewpoint = view.viewpoint(&settings.cache, geometry.radius);
+            cache.run(&mut recorder, &geometry, textures, &viewpoint, |_, share| {
+                on_progress("records", (share * 1000.0) as u64, 1000);
+            })?
+        }
+        None => CacheStats::default(),
+    };
+    recorder.submit(|recording| {
+        recording.pass("resolve", |c| {
+            resolve.record(c, view.clip_to_world_direction, view.axis);
+            Ok(())
+        })?;
+        recording.pass("readback", |c| {
+            barrier::full(c);
+            resolve.record_readback(c);
+            Ok(())
+        })
+    })?;
+    clock.lap("run passes");
+    let picture = output::picture(&resolve, &settings.planes, size, scene.origin);
+    clock.lap("read result");
+    Ok(Rendered {
+        picture,
+        plan,
+        cache: cache_stats,
+        passes: recorder.passes,
+        submissions: recorder.submissions,
+        stages: clock.stages,
+        memory: device.memory(),
+    })
+}
+
+fn build_lights(
+    device: &Arc<Device>,
+    sets: Vec<LightSet>,
+    target: &Target<'_>,
+    cells: bool,
+) -> Result<Vec<DirectLight>, VulkanError> {
+    let needed = |set: &LightSet| cells || !set.cells_only;
+    sets.into_iter().filter(needed).map(|set| DirectLight::new(device, set, target, cells)).collect()
+}
+
+fn upload_sky(device: &Arc<Device>, background: &Background) -> Result<Buffer, VulkanError> {
+    let (width, height, texels): (u32, u32, Vec<[f32; 3]>) = match background {
+        Background::Black => (1, 1, vec![[0.0; 3]]),
+        Background::Constant(radiance) => (1, 1, vec![radiance.to_array()]),
+        Background::Map(map) => (map.width, map.height, map.rgb.clone()),
+    };
+    let words = [width, height, 0, 0]
+        .into_iter()
+        .chain(texels.iter().flat_map(|[r, g, b]| [r.to_bits(), g.to_bits(), b.to_bits(), 0]));
+    Buffer::with_data(device, "sky", &words.collect::<Vec<u32>>())
+}
+
+/// Splits the time since it was made into named stages.
+struct Clock {
+    started: Instant,
+    last_ms: f64,
+    stages: Vec<(String, Span)>,
+}
+
+impl Clock {
+    fn new() -> Self {
+        Self { started: Instant::now(), last_ms: 0.0, stages: Vec::new() }
+    }
+
+    fn lap(&mut self, name: &str) {
+        let now = self.started.elapsed().as_secs_f64() * 1e3;
+        self.stages.push((name.into(), Span { begin_ms: self.last_ms, end_ms: now }));
+        self.last_ms = now;
+    }
+}

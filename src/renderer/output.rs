@@ -1,0 +1,39 @@
+//! The result's planes as a picture.
+
+use crate::image::Picture;
+use crate::passes::resolve::{Plane, Resolve};
+use glam::DVec3;
+
+/// Channel names of a plane.
+fn channels(plane: Plane) -> Vec<String> {
+    let rgb = |layer: &str| ["R", "G", "B"].map(|c| format!("{layer}.{c}")).to_vec();
+    let xyz = |layer: &str| ["X", "Y", "Z"].map(|c| format!("{layer}.{c}")).to_vec();
+    match plane {
+        Plane::Final => ["R", "G", "B"].map(String::from).to_vec(),
+        Plane::Direct => rgb("direct"),
+        Plane::Indirect => rgb("indirect"),
+        Plane::Irradiance => rgb("irradiance"),
+        Plane::DirectIrradiance => rgb("irradiance_direct"),
+        Plane::Albedo => rgb("albedo"),
+        Plane::Emission => rgb("emission"),
+        Plane::Normal => xyz("N"),
+        Plane::Position => xyz("P"),
+        Plane::Depth => vec!["Z".into()],
+        Plane::Records => vec!["records.Y".into()],
+        Plane::Mask => vec!["mask.Y".into()],
+    }
+}
+
+/// Reads `planes` of a finished frame; positions get the scene's origin back.
+pub(super) fn picture(resolve: &Resolve, planes: &[Plane], size: [u32; 2], origin: DVec3) -> Picture {
+    let mut picture = Picture { width: size[0], height: size[1], ..Picture::default() };
+    for plane in planes {
+        for (axis, (name, mut values)) in channels(*plane).into_iter().zip(resolve.read(*plane)).enumerate() {
+            if *plane == Plane::Position && origin != DVec3::ZERO {
+                values.iter_mut().for_each(|v| *v = (f64::from(*v) + origin[axis]) as f32);
+            }
+            picture.channels.insert(name, values);
+        }
+    }
+    picture
+}

@@ -1,0 +1,106 @@
+//! What a frame is made with, and its checks.
+
+use crate::methods::irradiance_cache::CacheSettings;
+use crate::methods::light_samples::LightSettings;
+use crate::passes::integrate::Gradients;
+use crate::passes::resolve::Plane;
+use crate::passes::splat::Weight;
+use crate::vk::Device;
+
+/// Settings of a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Reflections on the way: 0 direct light only, 1 one bounce of indirect light.
+    pub bounces: u32,
+    /// The irradiance cache.
+    pub cache: CacheSettings,
+    /// Direct light.
+    pub lights: LightSettings,
+    /// Cells that the surfaces are cut into, about; each triangle has at least one.
+    pub surface_cells: u32,
+    /// Layers of the result.
+    pub planes: Vec<Plane>,
+    /// Builds and runs every part, needed or not: what leaving parts out is tested against.
+    pub full_plan: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            width: 1280,
+            height: 720,
+            bounces: 1,
+            cache: CacheSettings {
+                accuracy: 0.3,
+                capture_size: 32,
+                gradients: Gradients { rotation: true, translation: true },
+                min_radius: 3.0,
+                max_radius: 100.0,
+                weight: Weight::Bounded,
+                covered: 0.1,
+                normal_limit: 0.2,
+                seed: 0,
+            },
+            lights: LightSettings { area_samples: 64, sky_samples: 128, shadow_size: 256 },
+            surface_cells: 1 << 19,
+            planes: vec![Plane::Final],
+            full_plan: false,
+        }
+    }
+}
+
+/// A setting that makes no sense, or that the device cannot hold.
+#[derive(Debug, thiserror::Error)]
+#[error("{name} {found}: {rule}")]
+pub struct SettingsError {
+    name: &'static str,
+    found: String,
+    rule: String,
+}
+
+impl Settings {
+    /// Refuses what cannot be rendered, before anything is built.
+    pub fn check(&self, device: &Device) -> Result<(), SettingsError> {
+        let limits = &device.capabilities.limits;
+        let side = limits.max_image_dimension2_d.min(limits.max_framebuffer_width).min(limits.max_framebuffer_height);
+        range("--width", self.width, 1, side)?;
+        range("--height", self.height, 1, side)?;
+        range("--bounces", self.bounces, 0, 1)?;
+        range("--capture-size", self.cache.capture_size, 8, 256)?;
+        if !self.cache.capture_size.is_multiple_of(2) {
+            return Err(error("--capture-size", self.cache.capture_size, "must be even"));
+        }
+        range("--light-samples", self.lights.area_samples, 1, 1 << 16)?;
+        range("--surface-cells", self.surface_cells, 1, 1 << 26)?;
+        positive("--accuracy", self.cache.accuracy, 10.0)?;
+        positive("--min-radius", self.cache.min_radius, 1e4)?;
+        positive("--max-radius", self.cache.max_radius, 1e6)?;
+        if self.cache.max_radius < self.cache.min_radius {
+            return Err(error("--max-radius", self.cache.max_radius, "must not be below --min-radius"));
+        }
+        // Three shader stages address pixels by 32 bits.
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        let buffer = u64::from(limits.max_storage_buffer_range) / 16;
+        if pixels > buffer {
+            let rule = format!("{pixels} pixels are above this device's {buffer} (maxStorageBufferRange / 16 bytes)");
+            return Err(error("image size", format!("{}×{}", self.width, self.height), rule));
+        }
+        Ok(())
+    }
+}
+
+fn range(name: &'static str, value: u32, low: u32, high: u32) -> Result<(), SettingsError> {
+    if (low..=high).contains(&value) { Ok(()) } else { Err(error(name, value, format!("must be from {low} to {high}"))) }
+}
+
+fn positive(name: &'static str, value: f32, high: f32) -> Result<(), SettingsError> {
+    if value > 0.0 && value <= high { Ok(()) } else { Err(error(name, value, format!("must be above 0, at most {high}"))) }
+}
+
+fn error(name: &'static str, found: impl ToString, rule: impl Into<String>) -> SettingsError {
+    SettingsError { name, found: found.to_string(), rule: rule.into() }
+}
