@@ -29,7 +29,7 @@ from timing import Timed, measure_self
 # Samples a pixel, from quick to careful. Of Mitsuba's samplers multijitter has the least error here for the time.
 SETTINGS: list[dict[str, Any]] = [{"spp": spp, "sampler": "multijitter"} for spp in (16, 64, 256, 1024)]
 
-BATCH = 1 << 24  # rays at once: samples are stratified within a batch, and this one takes about 1 GB
+BATCH = 1 << 24  # rays at once: samples are stratified within a batch, and this one takes a few hundred MB
 
 
 @dataclass
