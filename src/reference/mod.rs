@@ -1,1 +1,30 @@
-//! To come.
+//! The truth on the CPU: an unbiased path tracer, and the irradiance cache of 1988. Nothing here knows of the GPU.
+//!
+//! [`Tracer`] makes a scene ready for rays; [`Progressive`] traces batches of paths from the surface that each pixel's
+//! centre sees; [`irradiance_at`] does so from any place. All surfaces are Lambertian and two-sided; what emits does not
+//! reflect; directions below a triangle's own plane carry nothing, whatever its shading normal says.
+//!
+//! Geometry is double precision throughout: rays leave surfaces 2⁻³⁶ of the local coordinates above them, which hides no
+//! detail that single-precision meshes can hold.
+
+mod bvh;
+mod film;
+mod intersect;
+mod lights;
+mod path;
+mod progressive;
+mod sampler;
+mod sky;
+mod surface;
+#[cfg(test)]
+mod tests;
+mod texture;
+mod tracer;
+mod view;
+
+pub use film::Estimate;
+pub use path::Layers;
+pub use progressive::{OPEN_BATCH, Progressive, Settings, batch_for, irradiance_at};
+pub use surface::SurfacePoint;
+pub use tracer::Tracer;
+pub use view::{Pixel, View};

@@ -1,0 +1,4 @@
+//! The path tracer and the irradiance cache against closed forms.
+
+mod closed_forms;
+mod scenes;
