@@ -4,6 +4,13 @@
 //! can carry its own lit radiance. Lengths are the file's units; radiometric values are RGB without hidden scale (glTF's
 //! candela, lux and nits are taken as W·sr⁻¹, W·m⁻² and W·sr⁻¹·m⁻²).
 
+mod error;
+mod gltf;
+mod load;
+
+pub use error::SceneError;
+pub use load::{Limits, Resolver, load, load_from_slice};
+
 use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};
 
 /// A whole scene, in world space relative to [`Scene::origin`].
@@ -109,7 +116,7 @@ pub struct Texture {
 }
 
 /// What a texture shows outside [0, 1].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Wrap {
     /// Tiles.
     #[default]

@@ -1,0 +1,132 @@
+//! Files that are either complete or not there.
+
+use std::fs::{self, File, Permissions};
+use std::io::{self, BufWriter, Cursor, Seek, Write};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// A file that could not be written; nothing of it is left, and a file that was there before is as it was.
+#[derive(Debug, Error)]
+#[error("cannot write {path:?}: {source} ({remedy})", remedy = remedy(.source))]
+pub struct WriteError {
+    /// The file that was asked for.
+    pub path: PathBuf,
+    /// What the system or the encoder said.
+    #[source]
+    pub source: io::Error,
+}
+
+/// What an encoder writes into.
+pub trait Sink: Write + Seek {}
+impl<T: Write + Seek> Sink for T {}
+
+/// Writes `path` through `fill`: into a temporary file of the same folder, renamed over `path` when complete.
+///
+/// Links are followed. Something that is no plain file (`/dev/null`, a pipe) is written to directly, from memory.
+pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<(), WriteError> {
+    try_write(path, fill).map_err(|source| WriteError { path: path.to_owned(), source })
+}
+
+fn try_write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> io::Result<()> {
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if target.is_dir() {
+        return Err(io::ErrorKind::IsADirectory.into());
+    }
+    if target.exists() && !target.is_file() {
+        let mut bytes = Cursor::new(Vec::new());
+        fill(&mut bytes)?;
+        return File::options().write(true).open(&target)?.write_all(bytes.get_ref());
+    }
+    let folder = match target.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let temporary =
+        tempfile::Builder::new().prefix(".hemicube-").permissions(permissions(&target)).tempfile_in(folder)?;
+    let mut buffered = BufWriter::new(temporary);
+    fill(&mut buffered)?;
+    let temporary = buffered.into_inner().map_err(|error| error.into_error())?;
+    temporary.persist(&target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Those of the file that is replaced, else the usual ones: temporary files are private by default, results are not.
+fn permissions(target: &Path) -> Permissions {
+    if let Ok(known) = fs::metadata(target) {
+        return known.permissions();
+    }
+    default_permissions()
+}
+
+#[cfg(unix)]
+fn default_permissions() -> Permissions {
+    use std::os::unix::fs::PermissionsExt;
+    Permissions::from_mode(0o644)
+}
+
+fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "create the folder first",
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "free some space or choose another folder",
+        io::ErrorKind::IsADirectory => "name a file inside it",
+        io::ErrorKind::NotADirectory => "a part of the path is a file; choose another folder",
+        _ => "nothing was written; an older file of that name is unchanged",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn failure_leaves_the_old_file_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write_atomic(&path, |sink| sink.write_all(b"old")).unwrap();
+        let error = write_atomic(&path, |sink| {
+            sink.write_all(b"half of the n")?;
+            Err(io::ErrorKind::StorageFull.into())
+        });
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("a.txt") && message.contains("free some space"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn missing_folder_names_the_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let error = write_atomic(&folder.path().join("no/such/a.txt"), |_| Ok(())).unwrap_err();
+        assert!(error.to_string().contains("create the folder first"), "{error}");
+        let error = write_atomic(folder.path(), |_| Ok(())).unwrap_err();
+        assert!(error.to_string().contains("name a file inside it"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn others_may_read_the_result_and_a_link_stays_a_link() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a.txt"), folder.path().join("link.txt"));
+        write_atomic(&path, |_| Ok(())).unwrap();
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o700, 0o600);
+        assert_ne!(fs::metadata(&path).unwrap().permissions().mode() & 0o077, 0, "readable beyond the owner");
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        write_atomic(&link, |sink| sink.write_all(b"through")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&path).unwrap(), b"through");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_written_to_and_stay_devices() {
+        write_atomic(Path::new("/dev/null"), |sink| sink.write_all(b"gone")).unwrap();
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+    }
+}

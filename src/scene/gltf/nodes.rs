@@ -1,0 +1,128 @@
+//! The node hierarchy, flattened to world transforms in double precision.
+
+use super::accessor::Reader;
+use super::buffers::Buffers;
+use super::document::{Document, Instancing, Node, item};
+use super::error::{Fault, Result, Within};
+use glam::{DMat4, DQuat, DVec3};
+
+/// A node of the scene that is drawn, and where it stands in the world.
+pub struct Placed {
+    pub node: usize,
+    pub to_world: DMat4,
+}
+
+/// All nodes under the default scene, parents before children.
+pub fn flatten(document: &Document) -> Result<Vec<Placed>> {
+    let parents = parents(document)?;
+    let mut stack = Vec::new();
+    for root in roots(document, &parents)?.into_iter().rev() {
+        stack.push((root, DMat4::IDENTITY));
+    }
+    let mut placed = Vec::with_capacity(document.nodes.len());
+    while let Some((index, parent)) = stack.pop() {
+        let node = &document.nodes[index];
+        let to_world = parent * local(node).within(|| document.node_label(index))?;
+        if !to_world.is_finite() {
+            return Err(Fault::invalid("its world transform is not finite").within(document.node_label(index)));
+        }
+        stack.extend(node.children.iter().rev().map(|child| (*child, to_world)));
+        placed.push(Placed { node: index, to_world });
+    }
+    Ok(placed)
+}
+
+/// Each node's parent, after checking that nodes form trees: in range, one parent at most, no cycle.
+fn parents(document: &Document) -> Result<Vec<Option<usize>>> {
+    let mut parents = vec![None; document.nodes.len()];
+    for (index, node) in document.nodes.iter().enumerate() {
+        for &child in &node.children {
+            item(&document.nodes, "child node", child).within(|| document.node_label(index))?;
+            if let Some(other) = parents[child].replace(index) {
+                let what =
+                    format!("has two parents, {} and {}", document.node_label(other), document.node_label(index));
+                return Err(Fault::invalid(what).within(document.node_label(child)));
+            }
+        }
+    }
+    let mut reached = 0;
+    let mut stack: Vec<usize> = (0..parents.len()).filter(|i| parents[*i].is_none()).collect();
+    let mut seen = vec![false; parents.len()];
+    while let Some(index) = stack.pop() {
+        (seen[index], reached) = (true, reached + 1);
+        stack.extend(&document.nodes[index].children);
+    }
+    if reached < parents.len() {
+        let index = seen.iter().position(|s| !s).unwrap_or(0);
+        return Err(Fault::invalid("is its own ancestor").within(document.node_label(index)));
+    }
+    Ok(parents)
+}
+
+/// Roots of the default scene, else of the first, else all nodes without a parent.
+fn roots(document: &Document, parents: &[Option<usize>]) -> Result<Vec<usize>> {
+    let index = document.scene.unwrap_or(0);
+    let scene = match document.scenes.get(index) {
+        Some(scene) => scene,
+        None if document.scene.is_none() => return Ok((0..parents.len()).filter(|i| parents[*i].is_none()).collect()),
+        None => return item(&document.scenes, "scene", index).map(|_| Vec::new()),
+    };
+    let mut listed = vec![false; parents.len()];
+    for &root in &scene.nodes {
+        item(&document.nodes, "node", root).within(|| format!("scene {index}"))?;
+        if parents[root].is_some() || std::mem::replace(&mut listed[root], true) {
+            let what = format!("{} is listed twice or is not a root", document.node_label(root));
+            return Err(Fault::invalid(what).within(format!("scene {index}")));
+        }
+    }
+    Ok(scene.nodes.clone())
+}
+
+/// A node's own transform.
+fn local(node: &Node) -> Result<DMat4> {
+    if let Some(matrix) = node.matrix {
+        let matrix = DMat4::from_cols_array(&matrix);
+        let affine = matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-6);
+        return if affine { Ok(matrix) } else { Err(Fault::invalid("its matrix is not affine")) };
+    }
+    trs(node.translation.map(DVec3::from), node.rotation.map(DQuat::from_array), node.scale.map(DVec3::from))
+}
+
+fn trs(translation: Option<DVec3>, rotation: Option<DQuat>, scale: Option<DVec3>) -> Result<DMat4> {
+    let rotation = rotation.unwrap_or(DQuat::IDENTITY);
+    let length = rotation.length();
+    if !(length.is_finite() && length > 0.0) {
+        return Err(Fault::invalid("its rotation has no length"));
+    }
+    let (scale, translation) = (scale.unwrap_or(DVec3::ONE), translation.unwrap_or(DVec3::ZERO));
+    Ok(DMat4::from_scale_rotation_translation(scale, rotation / length, translation))
+}
+
+/// Transforms of a node's instances under the node (EXT_mesh_gpu_instancing); just the identity without the extension.
+pub fn instances(document: &Document, buffers: &Buffers<'_>, node: &Node) -> Result<Vec<DMat4>> {
+    let Some(instancing) = &node.extensions.instancing else { return Ok(vec![DMat4::IDENTITY]) };
+    read_instances(document, buffers, instancing).within(|| "EXT_mesh_gpu_instancing")
+}
+
+fn read_instances(document: &Document, buffers: &Buffers<'_>, instancing: &Instancing) -> Result<Vec<DMat4>> {
+    let open = |accessor: Option<usize>, components: usize, name: &str| {
+        let open =
+            |a| Reader::open(document, buffers, a, components..=components).within(|| format!("accessor {a} {name}"));
+        accessor.map(open).transpose()
+    };
+    let of = &instancing.attributes;
+    let translation = open(of.translation, 3, "TRANSLATION")?;
+    let rotation = open(of.rotation, 4, "ROTATION")?;
+    let scale = open(of.scale, 3, "SCALE")?;
+    let counts = || [&translation, &rotation, &scale].into_iter().flatten().map(|r| r.count);
+    let count = counts().next().unwrap_or(0);
+    if counts().any(|other| other != count) {
+        return Err(Fault::invalid("its accessors have different counts"));
+    }
+    let vector = |r: &Option<Reader<'_>>, i| r.as_ref().map(|r| DVec3::from(r.get::<3>(i).map(f64::from)));
+    let instance = |i| {
+        let rotation = rotation.as_ref().map(|r| DQuat::from_array(r.get::<4>(i).map(f64::from)));
+        trs(vector(&translation, i), rotation, vector(&scale, i)).within(|| format!("instance {i}"))
+    };
+    (0..count).map(instance).collect()
+}

@@ -1,0 +1,272 @@
+//! The loader: one glTF file, the files it names, one [`Scene`].
+//!
+//! # What is read
+//! Triangles (lists, strips, fans; indexed or not) of the default scene, else of the first scene, else of all nodes;
+//! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinate sets 0 and 1; cameras;
+//! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_mesh_quantization, KHR_texture_transform,
+//! EXT_mesh_gpu_instancing, EXT_meshopt_compression, KHR_meshopt_compression, EXT_texture_webp.
+//!
+//! # What is not
+//! Every surface is Lambertian: its albedo is the base colour, metallic and roughness are ignored. A light's `range` is
+//! ignored. Animated, skinned and morphed meshes stand in their rest pose. Blended surfaces are cut off at alpha 0.5.
+//! Each of these says so in [`Scene::notes`] where it changes the picture.
+//!
+//! # Files that break the format
+//! Errors wherever the meaning is unclear or something is missing that is used: broken JSON or GLB, wrong types,
+//! references to nothing, data past its buffer's end, positions that are not finite, node cycles, nodes with two
+//! parents, unknown required extensions. Tolerated, because the picture is clear all the same:
+//!
+//! | broken | what happens |
+//! |---|---|
+//! | anything in what nothing drawn uses: animations, skins, morph targets, unused accessors, images, materials | not looked at |
+//! | accessor `min`/`max` wrong or missing, alignment of offsets and strides, buffer view `target` | not needed |
+//! | component types that core glTF does not allow for an attribute | read as KHR_mesh_quantization says |
+//! | empty lists, properties that glTF does not know, undeclared extensions | ignored |
+//! | normals, tangents, rotations of a wrong length | brought to length 1; zero or NaN: taken from the triangles |
+//! | texture coordinates that are not finite | 0 |
+//! | base colour and vertex colour outside [0, 1] | clamped |
+//! | a node with both `matrix` and translation, rotation or scale | the matrix counts |
+//! | a vertex count that is no multiple of three | the rest is left out |
+//! | triangles without area | left out |
+//! | GLB: duplicate or empty chunks, trailing bytes, unaligned lengths | the first of each kind counts |
+//! | images whose `mimeType` or extension lies | told by their bytes |
+//! | camera clip planes | not used |
+
+use super::error::{Fault, Kind, Result, SceneError, Within};
+use super::gltf::assemble::{self, Draw, Needs};
+use super::gltf::buffers::Buffers;
+pub use super::gltf::container::Resolver;
+use super::gltf::document::{Document, item};
+use super::gltf::nodes::{self, Placed};
+use super::gltf::primitive::{self, Budget, Primitive};
+use super::gltf::textures::TextureStore;
+use super::gltf::{Notes, container, extensions, lights, materials};
+use super::{Material, Scene};
+use std::collections::BTreeMap;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// How large a scene may get. Sizes are checked before memory is taken.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
+    /// Triangles after all instances are placed; within it, a file may make at most 2²² + 256 for each of its bytes.
+    pub triangles: u64,
+    /// Texels of all textures together.
+    pub texels: u64,
+}
+
+impl Default for Limits {
+    /// 2²⁶ triangles, 2²⁸ texels.
+    fn default() -> Self {
+        Self { triangles: 1 << 26, texels: 1 << 28 }
+    }
+}
+
+/// Loads a `.gltf` or `.glb` file and the files that it names.
+pub fn load(path: &Path) -> std::result::Result<Scene, SceneError> {
+    let file = path.display().to_string();
+    let bytes = read_file(path).map_err(|e| Fault::new(Kind::Read, format!("cannot read: {e}")).in_file(&file))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    load_from_slice(&file, &bytes, &|name| read_file(&folder.join(name)), Limits::default())
+}
+
+/// Loads a scene from bytes. `file` names it in messages and, by its stem, the scene; `resolve` finds what it names.
+pub fn load_from_slice(
+    file: &str,
+    bytes: &[u8],
+    resolve: &Resolver<'_>,
+    limits: Limits,
+) -> std::result::Result<Scene, SceneError> {
+    let scene = load_bytes(bytes, resolve, limits).map_err(|fault| fault.in_file(file))?;
+    let name = Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(Scene { name, ..scene })
+}
+
+/// All bytes of a regular file: devices and pipes could go on for ever.
+fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(io::Error::other("not a regular file"));
+    }
+    let mut bytes = Vec::with_capacity(metadata.len() as usize);
+    std::fs::File::open(path)?.take(metadata.len()).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, limits: Limits) -> Result<Scene> {
+    let container = container::open(bytes)?;
+    let document = Document::parse(container.json)?;
+    let mut notes = Notes::default();
+    extensions::check(&document, &mut notes)?;
+    let buffers = Buffers::new(&document, container.bin, resolve);
+    let placed = nodes::flatten(&document)?;
+    let meshes = read_meshes(&document, &buffers, &placed, limits, &mut notes)?;
+    let drawn = Drawn { document: &document, buffers: &buffers, placed: &placed, meshes: &meshes };
+    let allowed = limits.triangles.min((1 << 22) + 256 * (bytes.len() as u64 + buffers.fetched_bytes()));
+    let draws = drawn.list(allowed)?;
+    let mut scene = drawn.build(draws, limits, &mut notes)?;
+    scene.lights = lights::lights(&document, &placed, scene.origin)?;
+    scene.cameras = lights::cameras(&document, &placed, scene.origin, &mut notes)?;
+    note_rest_poses(&document, &placed, &mut notes);
+    scene.notes = notes.into_lines();
+    Ok(scene)
+}
+
+/// Primitives of a mesh, each with its index in the file.
+type Mesh = Vec<(usize, Primitive)>;
+
+/// Reads every mesh that a node draws, once.
+fn read_meshes(
+    document: &Document,
+    buffers: &Buffers<'_>,
+    placed: &[Placed],
+    limits: Limits,
+    notes: &mut Notes,
+) -> Result<BTreeMap<usize, Mesh>> {
+    let mut meshes = BTreeMap::new();
+    let mut budget = Budget(limits.triangles.saturating_mul(3));
+    for p in placed {
+        let Some(mesh) = document.nodes[p.node].mesh else { continue };
+        if !meshes.contains_key(&mesh) {
+            item(&document.meshes, "mesh", mesh).within(|| document.node_label(p.node))?;
+            meshes.insert(mesh, read_mesh(document, buffers, mesh, &mut budget, notes)?);
+        }
+    }
+    Ok(meshes)
+}
+
+fn read_mesh(
+    document: &Document,
+    buffers: &Buffers<'_>,
+    mesh: usize,
+    budget: &mut Budget,
+    notes: &mut Notes,
+) -> Result<Mesh> {
+    let mut primitives = Vec::new();
+    for (index, primitive) in document.meshes[mesh].primitives.iter().enumerate() {
+        let at = || format!("{} primitive {index}", document.mesh_label(mesh));
+        if let Some(primitive) = primitive::read(document, buffers, primitive, budget, notes).within(at)? {
+            check_positions(&primitive).within(at)?;
+            primitives.push((index, primitive));
+        }
+    }
+    Ok(primitives)
+}
+
+fn check_positions(primitive: &Primitive) -> Result<()> {
+    match primitive.positions.iter().find(|p| p.iter().any(|x| !x.is_finite())) {
+        Some(p) => {
+            let what = format!("accessor {} POSITION: {p:?} is not finite", primitive.position_accessor);
+            Err(Fault::invalid(what))
+        }
+        None => Ok(()),
+    }
+}
+
+/// What the default scene draws.
+struct Drawn<'a, 'b> {
+    document: &'a Document,
+    buffers: &'a Buffers<'b>,
+    placed: &'a [Placed],
+    meshes: &'a BTreeMap<usize, Mesh>,
+}
+
+impl<'a> Drawn<'a, '_> {
+    /// Each primitive at each place, by the document's material (none: last) and then in node order.
+    fn list(&self, allowed: u64) -> Result<Vec<Draw<'a>>> {
+        let mut draws = Vec::new();
+        let mut total = 0u64;
+        for p in self.placed {
+            let node = &self.document.nodes[p.node];
+            let Some((mesh, primitives)) = node.mesh.and_then(|m| Some((m, self.meshes.get(&m)?))) else { continue };
+            let count: u64 = primitives.iter().map(|(_, p)| p.triangles.len() as u64).sum();
+            let instances = nodes::instances(self.document, self.buffers, node);
+            for instance in instances.within(|| self.document.node_label(p.node))? {
+                total += count;
+                if total > allowed {
+                    let what = format!("more than {allowed} triangles once every instance is placed");
+                    return Err(Fault::new(Kind::TooLarge, what));
+                }
+                let to_world = p.to_world * instance;
+                draws.extend(primitives.iter().map(|(index, primitive)| Draw {
+                    primitive,
+                    to_world,
+                    material: 0,
+                    mesh,
+                    index: *index,
+                }));
+            }
+        }
+        draws.retain(|d| !d.primitive.triangles.is_empty());
+        draws.sort_by_key(|d| (d.primitive.material.is_none(), d.primitive.material));
+        Ok(draws)
+    }
+
+    /// Materials, textures and all triangles.
+    fn build(&self, mut draws: Vec<Draw<'a>>, limits: Limits, notes: &mut Notes) -> Result<Scene> {
+        let mut scene = Scene { origin: assemble::origin(&draws), ..Scene::default() };
+        let mut store = TextureStore::new(self.document, self.buffers, limits.texels);
+        let mut last = None;
+        for draw in &mut draws {
+            let wanted = draw.primitive.material;
+            if last != Some(wanted) {
+                let material = self.material(draw, &mut store, notes).within(|| self.label(draw))?;
+                scene.materials.push(material);
+                last = Some(wanted);
+            }
+            draw.material = scene.materials.len() as u32 - 1;
+        }
+        scene.textures = store.textures;
+        let needs = needs(&scene.materials, &draws);
+        for draw in &draws {
+            assemble::append(&mut scene, draw, needs, notes).within(|| self.label(draw))?;
+        }
+        drop_unused_materials(&mut scene);
+        if scene.triangles.is_empty() {
+            let what = if draws.is_empty() { "" } else { " that have area" };
+            return Err(Fault::new(Kind::Empty, what));
+        }
+        Ok(scene)
+    }
+
+    fn material(&self, draw: &Draw<'_>, store: &mut TextureStore<'_, '_>, notes: &mut Notes) -> Result<Material> {
+        match draw.primitive.material {
+            Some(index) => materials::convert(self.document, index, store, notes),
+            None => Ok(materials::default_material()),
+        }
+    }
+
+    fn label(&self, draw: &Draw<'_>) -> String {
+        format!("{} primitive {}", self.document.mesh_label(draw.mesh), draw.index)
+    }
+}
+
+/// Streams that the materials read.
+fn needs(materials: &[Material], draws: &[Draw<'_>]) -> Needs {
+    let textures = |m: &Material| [m.base_texture, m.normal_texture, m.emission_texture];
+    let set = |set| materials.iter().flat_map(textures).flatten().any(|t| t.set == set);
+    Needs {
+        tangents: materials.iter().any(|m| m.normal_texture.is_some()),
+        uvs: [set(0), set(1)],
+        colors: draws.iter().any(|d| !d.primitive.colors.is_empty()),
+    }
+}
+
+/// Forgets materials all of whose triangles were left out.
+fn drop_unused_materials(scene: &mut Scene) {
+    let used: Vec<u32> = scene.parts.iter().map(|p| p.material).collect();
+    let mut old: Vec<Option<Material>> = std::mem::take(&mut scene.materials).into_iter().map(Some).collect();
+    scene.materials = used.iter().filter_map(|m| old[*m as usize].take()).collect();
+    for (part, material) in scene.parts.iter_mut().zip(0..) {
+        part.material = material;
+    }
+}
+
+/// Says which things stand still.
+fn note_rest_poses(document: &Document, placed: &[Placed], notes: &mut Notes) {
+    let skinned = placed.iter().any(|p| document.nodes[p.node].skin.is_some());
+    notes.add_if("skinned meshes are shown in their rest pose", skinned);
+    let morphed = document.meshes.iter().flat_map(|m| &m.primitives).any(|p| p.targets.is_some());
+    notes.add_if("morph targets are not applied", morphed);
+    notes.add_if("animations are not played", document.has_animations);
+}
