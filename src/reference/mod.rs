@@ -12,6 +12,7 @@ mod film;
 mod intersect;
 mod lights;
 mod path;
+pub mod picture;
 mod progressive;
 mod sampler;
 mod sky;
