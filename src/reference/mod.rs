@@ -22,6 +22,7 @@ mod tests;
 mod texture;
 mod tracer;
 mod view;
+pub mod ward;
 
 pub use film::Estimate;
 pub use path::Layers;

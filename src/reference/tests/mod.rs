@@ -1,5 +1,6 @@
 //! The path tracer and the irradiance cache against closed forms.
 
 mod closed_forms;
+mod gradients;
 mod peers;
 mod scenes;
