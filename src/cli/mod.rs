@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost.
 
 mod common;
+mod compare;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -17,11 +18,15 @@ pub struct Cli {
 }
 
 #[derive(Subcommand)]
-enum Command {}
+enum Command {
+    Compare(compare::CompareArgs),
+}
 
 /// Runs the chosen subcommand.
 pub fn run(cli: Cli) -> Result<ExitCode> {
-    match cli.command {}
+    match cli.command {
+        Command::Compare(args) => compare::run(&args),
+    }
 }
 
 /// Exit code of a failed run: whatever is not the device's fault is the input's.

@@ -35,6 +35,11 @@ pub enum ReadError {
 ///
 /// `settings` are kept as the standard `comments` attribute, one `name: value` a line, in the order given.
 pub fn write(path: &Path, picture: &Picture, settings: &[(&str, &str)]) -> std::result::Result<(), WriteError> {
+    let odd = picture.channels.iter().find(|(_, values)| values.len() != picture.pixels());
+    if let Some((name, values)) = odd {
+        let cause = io::Error::other(format!("channel {name} has {} of {} pixels", values.len(), picture.pixels()));
+        return Err(WriteError { path: path.to_owned(), cause });
+    }
     let image = encode(picture, settings);
     write_atomic(path, |sink| match image.write().to_buffered(sink) {
         Err(Error::Io(error)) => Err(error),
@@ -91,7 +96,7 @@ pub fn read(path: &Path) -> std::result::Result<Picture, ReadError> {
         }
         let prefix = part.attributes.layer_name.as_ref().filter(|_| image.layer_data.len() > 1);
         for channel in &part.channel_data.list {
-            channels.insert(full_name(prefix, &channel.name), samples(channel, first));
+            channels.insert(full_name(prefix, &channel.name), channel.sample_data.values_as_f32().collect());
         }
     }
     Ok(Picture { width: first.0 as u32, height: first.1 as u32, channels })
@@ -110,18 +115,6 @@ fn full_name(part: Option<&Text>, channel: &Text) -> String {
         Some(part) if !part.is_empty() && !channel.starts_with(&format!("{part}.")) => format!("{part}.{channel}"),
         _ => channel,
     }
-}
-
-/// Values of a channel at every pixel; a channel kept at a lower resolution repeats its values.
-fn samples(channel: &AnyChannel<FlatSamples>, size: Vec2<usize>) -> Vec<f32> {
-    let Vec2(step_x, step_y) = channel.sampling;
-    if (step_x, step_y) == (1, 1) {
-        return channel.sample_data.values_as_f32().collect();
-    }
-    let values: Vec<f32> = channel.sample_data.values_as_f32().collect();
-    let columns = size.0 / step_x;
-    let at = |pixel: usize| (pixel / size.0 / step_y) * columns + (pixel % size.0) / step_x;
-    (0..size.0 * size.1).map(|pixel| values.get(at(pixel)).copied().unwrap_or_default()).collect()
 }
 
 #[cfg(test)]
@@ -179,6 +172,44 @@ mod tests {
         let picture = read(&path).unwrap();
         assert_eq!(picture.channels["direct.R"], [0.5, 2.0]);
         assert_eq!(picture.channels["id.Y"], [7.0, 9.0]);
+    }
+
+    #[test]
+    fn what_cannot_be_written_leaves_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let mut short = sample(4, 4);
+        short.channels.insert("Z".into(), vec![0.0; 3]);
+        for (picture, word) in
+            [(short, "channel Z has 3 of 16"), (Picture::new(4, 4), "a.exr"), (sample(0, 0), "a.exr")]
+        {
+            let message = write(&path, &picture, &[]).unwrap_err().to_string();
+            assert!(message.contains(word), "{message}");
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_named_with_its_remedy() {
+        let message = write(Path::new("/dev/full"), &sample(8, 8), &[]).unwrap_err().to_string();
+        assert!(message.contains("No space left") && message.contains("free some space"), "{message}");
+    }
+
+    #[test]
+    fn parts_of_different_sizes_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sizes.exr");
+        let part = |name: &str, width: usize| {
+            let channel = AnyChannel::new("R", FlatSamples::F32(vec![1.0; width]));
+            let list = AnyChannels::sort([channel].into_iter().collect());
+            Layer::new((width, 1), LayerAttributes::named(name), Encoding::UNCOMPRESSED, list)
+        };
+        let attributes = ImageAttributes::new(IntegerBounds::from_dimensions((3, 1)));
+        let parts = Layers::from_vec(vec![part("a", 2), part("b", 3)]);
+        Image::from_layers(attributes, parts).write().to_file(&path).unwrap();
+        let message = read(&path).unwrap_err().to_string();
+        assert!(message.contains("sizes.exr") && message.contains("differ in size"), "{message}");
     }
 
     #[test]

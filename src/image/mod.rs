@@ -70,8 +70,9 @@ impl Picture {
 
     /// A layer of one channel, by the channel's name or, as `records` for `records.Y`, by the layer's.
     pub fn scalar(&self, layer: &str) -> Option<&[f32]> {
-        let channel = self.channels.get(layer).or_else(|| self.channels.get(&channel_name(layer, "Y")))?;
-        (self.xyz(layer).is_none()).then_some(channel)
+        let mut own = self.channels.iter().filter(|(channel, _)| layer_of(channel) == layer);
+        let only = own.next().filter(|_| own.next().is_none()).map(|(_, values)| values);
+        self.channels.get(layer).or(only).map(Vec::as_slice)
     }
 
     /// The channels of a layer and what they are.

@@ -10,8 +10,8 @@ use std::path::Path;
 /// Writes a colour layer (`""` is the picture itself) through exposure and tone map; not-a-number shows as magenta.
 pub fn write(path: &Path, picture: &Picture, layer: &str, look: Look) -> Result<(), WriteError> {
     let Some([r, g, b]) = picture.rgb(layer) else {
-        let source = io::Error::other(format!("the picture has no colour layer {layer:?}"));
-        return Err(WriteError { path: path.to_owned(), source });
+        let cause = io::Error::other(format!("the picture has no colour layer {layer:?}"));
+        return Err(WriteError { path: path.to_owned(), cause });
     };
     let codes: Vec<u8> = (0..picture.pixels()).flat_map(|i| look.apply([r[i], g[i], b[i]])).collect();
     write_codes(path, picture.width, picture.height, &codes)

@@ -1,19 +1,18 @@
 //! Files that are either complete or not there.
 
-use std::fs::{self, File, Permissions};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// A file that could not be written; nothing of it is left, and a file that was there before is as it was.
 #[derive(Debug, Error)]
-#[error("cannot write {path:?}: {source} ({remedy})", remedy = remedy(.source))]
+#[error("cannot write {path:?}: {cause} ({remedy})", remedy = remedy(.cause))]
 pub struct WriteError {
     /// The file that was asked for.
     pub path: PathBuf,
-    /// What the system or the encoder said.
-    #[source]
-    pub source: io::Error,
+    /// What the system or the encoder said; part of the message, so no source of its own.
+    pub cause: io::Error,
 }
 
 /// What an encoder writes into.
@@ -24,7 +23,15 @@ impl<T: Write + Seek> Sink for T {}
 ///
 /// Links are followed. Something that is no plain file (`/dev/null`, a pipe) is written to directly, from memory.
 pub fn write_atomic(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<(), WriteError> {
-    try_write(path, fill).map_err(|source| WriteError { path: path.to_owned(), source })
+    try_write(path, fill).map_err(|error| WriteError { path: path.to_owned(), cause: plain(error) })
+}
+
+/// The system's error without the temporary file's name, which means nothing to the reader.
+fn plain(error: io::Error) -> io::Error {
+    match error.to_string().split_once(" at path ") {
+        Some((words, _)) => io::Error::new(error.kind(), words.to_owned()),
+        None => error,
+    }
 }
 
 fn try_write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> io::Result<()> {
@@ -37,12 +44,19 @@ fn try_write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) ->
         fill(&mut bytes)?;
         return File::options().write(true).open(&target)?.write_all(bytes.get_ref());
     }
+    // A rename would replace a protected file without asking it.
+    if fs::metadata(&target).is_ok_and(|known| known.permissions().readonly()) {
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"));
+    }
     let folder = match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let temporary =
-        tempfile::Builder::new().prefix(".hemicube-").permissions(permissions(&target)).tempfile_in(folder)?;
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".hemicube-");
+    #[cfg(unix)]
+    builder.permissions(permissions(&target));
+    let temporary = builder.tempfile_in(folder)?;
     let mut buffered = BufWriter::new(temporary);
     fill(&mut buffered)?;
     let temporary = buffered.into_inner().map_err(|error| error.into_error())?;
@@ -51,23 +65,18 @@ fn try_write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) ->
 }
 
 /// Those of the file that is replaced, else the usual ones: temporary files are private by default, results are not.
-fn permissions(target: &Path) -> Permissions {
-    if let Ok(known) = fs::metadata(target) {
-        return known.permissions();
-    }
-    default_permissions()
-}
-
 #[cfg(unix)]
-fn default_permissions() -> Permissions {
+fn permissions(target: &Path) -> fs::Permissions {
     use std::os::unix::fs::PermissionsExt;
-    Permissions::from_mode(0o644)
+    fs::metadata(target).map_or_else(|_| fs::Permissions::from_mode(0o644), |known| known.permissions())
 }
 
 fn remedy(error: &io::Error) -> &'static str {
     match error.kind() {
         io::ErrorKind::NotFound => "create the folder first",
-        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "choose a folder that you may write to",
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "choose a file or folder that you may write to"
+        }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "free some space or choose another folder",
         io::ErrorKind::IsADirectory => "name a file inside it",
         io::ErrorKind::NotADirectory => "a part of the path is a file; choose another folder",
@@ -104,23 +113,29 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error = write_atomic(&folder.path().join("no/such/a.txt"), |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("create the folder first"), "{error}");
+        assert!(!error.to_string().contains(".hemicube-"), "the temporary name is nobody's business: {error}");
         let error = write_atomic(folder.path(), |_| Ok(())).unwrap_err();
         assert!(error.to_string().contains("name a file inside it"), "{error}");
     }
 
     #[cfg(unix)]
     #[test]
-    fn others_may_read_the_result_and_a_link_stays_a_link() {
+    fn permissions_and_links_stay_as_they_are() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let (path, link) = (folder.path().join("a.txt"), folder.path().join("link.txt"));
         write_atomic(&path, |_| Ok(())).unwrap();
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o700, 0o600);
         assert_ne!(fs::metadata(&path).unwrap().permissions().mode() & 0o077, 0, "readable beyond the owner");
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o400)).unwrap();
+        let error = write_atomic(&path, |_| Ok(())).unwrap_err().to_string();
+        assert!(error.contains("read-only"), "{error}");
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
         std::os::unix::fs::symlink(&path, &link).unwrap();
         write_atomic(&link, |sink| sink.write_all(b"through")).unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&path).unwrap(), b"through");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640, "as the old file");
     }
 
     #[cfg(unix)]

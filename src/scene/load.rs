@@ -1,7 +1,8 @@
 //! The loader: one glTF file, the files it names, one [`Scene`].
 //!
 //! # What is read
-//! Triangles (lists, strips, fans; indexed or not) of the default scene, else of the first scene, else of all nodes;
+//! Triangles (lists, strips, fans; indexed or not) of the default scene, else of the first scene, else of all nodes,
+//! else (a library of meshes) of every mesh as it stands;
 //! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinate sets 0 and 1; cameras;
 //! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_mesh_quantization, KHR_texture_transform,
 //! EXT_mesh_gpu_instancing, EXT_meshopt_compression, KHR_meshopt_compression, EXT_texture_webp.

@@ -4,12 +4,19 @@
 //! can carry its own lit radiance. Lengths are the file's units; radiometric values are RGB without hidden scale (glTF's
 //! candela, lux and nits are taken as W·sr⁻¹, W·m⁻² and W·sr⁻¹·m⁻²).
 
+mod background;
+mod camera;
+mod cornell;
 mod error;
 mod gltf;
 mod load;
+mod sample;
 
+pub use camera::{LARGEST_SIDE, frame, image_size};
+pub use cornell::cornell;
 pub use error::SceneError;
 pub use load::{Limits, Resolver, load, load_from_slice};
+pub use sample::{Emitter, Encoding, SurfacePoint};
 
 use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};
 

@@ -57,7 +57,7 @@ pub struct Features {
 }
 
 impl Features {
-    /// The filters at `ppd` pixels per degree; the widths of an edge is 0.082 degrees.
+    /// The filters at `ppd` pixels per degree; an edge is 0.082 degrees wide.
     pub fn new(ppd: f32) -> Self {
         const WIDTH: f32 = 0.082;
         let sigma = 0.5 * WIDTH * ppd;

@@ -135,10 +135,10 @@ mod tests {
             let error = oracle(&codes(&a, stops), &codes(&b, stops), width);
             theirs.iter_mut().zip(error).for_each(|(largest, error)| *largest = largest.max(error));
         }
-        // The oracle sees 8-bit codes, which at this size of error is worth a few thousandths.
+        // The oracle sees 8-bit codes, which is worth about a thousandth here.
         let mean = theirs.iter().map(|error| f64::from(*error)).sum::<f64>() / theirs.len() as f64;
-        assert!((ours.mean(None) - mean).abs() < 4e-3, "{} {mean}", ours.mean(None));
-        assert!(mean > 0.03);
+        assert!((ours.mean(None) - mean).abs() < 1.5e-3, "{} {mean}", ours.mean(None));
+        assert!(mean > 0.1);
     }
 
     #[test]

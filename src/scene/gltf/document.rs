@@ -8,6 +8,9 @@ use json::extensions::scene::khr_lights_punctual as punctual;
 use serde::{Deserialize, de::DeserializeOwned};
 use serde_json::{Map, Value};
 
+/// 2⁵³: beyond it, doubles are no longer exact integers.
+const LARGEST_WHOLE: f64 = 9_007_199_254_740_992.0;
+
 /// A glTF document whose indices are still unchecked.
 #[derive(Debug, Default)]
 pub struct Document {
@@ -87,14 +90,15 @@ pub struct SceneRoots {
 impl Document {
     /// Reads the JSON text and checks the version.
     pub fn parse(text: &[u8]) -> Result<Self> {
-        let root: Value = serde_json::from_slice(text).map_err(|e| Fault::new(Kind::NotGltf, format!("JSON: {e}")))?;
+        let root = serde_json::from_slice(text).map_err(|e| Fault::new(Kind::NotGltf, format!("JSON: {e}")))?;
+        let root = whole_numbers(root);
         let Value::Object(mut root) = root else {
             return Err(Fault::new(Kind::NotGltf, "the JSON is not an object"));
         };
         check_version(&root)?;
         let lights = root.get_mut("extensions").and_then(|e| e.get_mut("KHR_lights_punctual"));
         let lights = lights.and_then(|e| e.get_mut("lights")).map(Value::take);
-        Ok(Self {
+        let document = Self {
             extensions_used: list(root.remove("extensionsUsed"), "extensionsUsed")?,
             extensions_required: list(root.remove("extensionsRequired"), "extensionsRequired")?,
             accessors: list(root.remove("accessors"), "accessor")?,
@@ -111,7 +115,17 @@ impl Document {
             scenes: list(root.remove("scenes"), "scene")?,
             scene: root.remove("scene").map(|v| parse_one(v, "scene")).transpose()?,
             has_animations: root.get("animations").and_then(Value::as_array).is_some_and(|a| !a.is_empty()),
-        })
+        };
+        Ok(document.with_meshes_in_place())
+    }
+
+    /// A library of meshes, without any node: each mesh gets a node of its own.
+    fn with_meshes_in_place(mut self) -> Self {
+        if self.nodes.is_empty() && self.scenes.is_empty() {
+            let node = |mesh| Node { mesh: Some(mesh), ..Node::default() };
+            self.nodes = (0..self.meshes.len()).map(node).collect();
+        }
+        self
     }
 
     /// `node 3 "name"`.
@@ -135,6 +149,19 @@ pub fn item<'a, T>(items: &'a [T], kind: &str, index: usize) -> Result<&'a T> {
     items
         .get(index)
         .ok_or_else(|| Fault::invalid(format!("{kind} {index} does not exist (the file has {})", items.len())))
+}
+
+/// The same JSON with whole numbers written as integers: `1.0` is one, also where an index is wanted.
+fn whole_numbers(value: Value) -> Value {
+    match value {
+        Value::Number(n) => match n.as_f64() {
+            Some(x) if n.is_f64() && x >= 0.0 && x.fract() == 0.0 && x < LARGEST_WHOLE => Value::from(x as u64),
+            _ => Value::Number(n),
+        },
+        Value::Array(items) => Value::Array(items.into_iter().map(whole_numbers).collect()),
+        Value::Object(fields) => Value::Object(fields.into_iter().map(|(k, v)| (k, whole_numbers(v))).collect()),
+        other => other,
+    }
 }
 
 fn check_version(root: &Map<String, Value>) -> Result<()> {
