@@ -1,19 +1,16 @@
 //! Light that is looked for: punctual lights and points on emitting triangles.
 
-use super::surface::{Interpolation, triangle_plane};
+use super::surface::{position, single, triangle_plane};
 use crate::math::sampling::{self, Discrete};
-use crate::scene::{Light, Scene};
+use crate::scene::{Emitter, Light, Scene};
 use glam::DVec3;
-
-/// Points per triangle at which a textured emitter's power is estimated.
-const POWER_SAMPLES: u32 = 64;
 
 /// Emitting triangles, chosen in proportion to their power.
 #[derive(Default)]
 pub struct Emitters {
-    triangles: Vec<u32>,
+    emitters: Vec<Emitter>,
     choice: Option<Discrete>,
-    /// Per scene triangle: its place in `triangles`, or `u32::MAX`.
+    /// Per scene triangle: its place in `emitters`, or `u32::MAX`.
     place: Vec<u32>,
 }
 
@@ -30,14 +27,14 @@ pub struct EmitterSample {
 }
 
 impl Emitters {
-    /// Finds the triangles whose material emits. `material_of` has one entry a triangle.
-    pub fn new(scene: &Scene, material_of: &[u32]) -> Self {
-        let emits = |t: &u32| scene.materials[material_of[*t as usize] as usize].emission != glam::Vec3::ZERO;
-        let triangles: Vec<u32> = (0..scene.triangles.len() as u32).filter(emits).collect();
-        let choice = Discrete::new(triangles.iter().map(|&t| power(scene, material_of, t)));
+    /// Tabulates the triangles that emit. One whose texture hides its light from the estimate of its power is left to be
+    /// found by chance.
+    pub fn new(scene: &Scene) -> Self {
+        let emitters = scene.emitters();
+        let power = |e: &Emitter| triangle_plane(scene, e.triangle).1 * e.radiance.as_dvec3().element_sum();
         let mut place = vec![u32::MAX; scene.triangles.len()];
-        triangles.iter().enumerate().for_each(|(i, &t)| place[t as usize] = i as u32);
-        Self { triangles, choice, place }
+        emitters.iter().enumerate().for_each(|(i, e)| place[e.triangle as usize] = i as u32);
+        Self { choice: Discrete::new(emitters.iter().map(power)), emitters, place }
     }
 
     /// Whether no triangle emits.
@@ -46,29 +43,21 @@ impl Emitters {
     }
 
     /// A point on an emitter, as seen from `from`.
-    pub fn sample(
-        &self,
-        scene: &Scene,
-        material_of: &[u32],
-        from: DVec3,
-        [pick, u, v]: [f64; 3],
-    ) -> Option<EmitterSample> {
+    pub fn sample(&self, scene: &Scene, from: DVec3, [pick, u, v]: [f64; 3]) -> Option<EmitterSample> {
         let choice = self.choice.as_ref()?;
         let (i, _) = choice.sample(pick);
-        let triangle = self.triangles[i];
-        let material = &scene.materials[material_of[triangle as usize] as usize];
-        let at = Interpolation::new(scene, triangle, sampling::triangle(u, v));
+        let Emitter { triangle, double_sided, .. } = self.emitters[i];
+        let at = sampling::triangle(u, v);
         let (front, twice_area, _) = triangle_plane(scene, triangle);
-        let position = at.position(scene);
+        let position = position(scene, triangle, at);
         let cos = front.dot(from - position) / (from - position).length();
-        let dark = cos <= 0.0 && !material.double_sided;
-        let absent = material.alpha_cutoff.is_some_and(|cutoff| at.base_color(scene, material).w < cutoff);
-        let radiance = if dark || absent { DVec3::ZERO } else { at.emission(scene, material) };
+        let dark = cos <= 0.0 && !double_sided || !scene.is_present(triangle, single(at));
+        let radiance = if dark { DVec3::ZERO } else { scene.surface(triangle, single(at)).emission.as_dvec3() };
         let density = choice.probability(i) / (0.5 * twice_area);
         Some(EmitterSample { position, radiance, cos: cos.abs(), density })
     }
 
-    /// Density of [`Emitters::sample`] on `triangle`, per unit of area; 0 if it does not emit.
+    /// Density of [`Emitters::sample`] on `triangle`, per unit of area; 0 if it is never chosen.
     pub fn density(&self, scene: &Scene, triangle: u32) -> f64 {
         match (&self.choice, self.place[triangle as usize]) {
             (Some(choice), i) if i != u32::MAX => {
@@ -77,22 +66,6 @@ impl Emitters {
             _ => 0.0,
         }
     }
-}
-
-/// Area × mean radiance, up to a common factor. Never 0 for a textured emitter, whose bright texels the samples may miss.
-fn power(scene: &Scene, material_of: &[u32], triangle: u32) -> f64 {
-    let material = &scene.materials[material_of[triangle as usize] as usize];
-    let area = triangle_plane(scene, triangle).1;
-    let full = material.emission.as_dvec3().element_sum();
-    if material.emission_texture.is_none() {
-        return area * full;
-    }
-    let radiance = |i| {
-        let [u, v, _, _] = sobol_burley::sample_4d(i, 0, triangle).map(f64::from);
-        Interpolation::new(scene, triangle, sampling::triangle(u, v)).emission(scene, material).element_sum()
-    };
-    let mean = (0..POWER_SAMPLES).map(radiance).sum::<f64>() / f64::from(POWER_SAMPLES);
-    area * mean.max(0.01 * full)
 }
 
 /// Light from a punctual light at a point: direction to it, distance, and irradiance on a surface that faces it (W·m⁻²).

@@ -19,7 +19,6 @@ mod sky;
 mod surface;
 #[cfg(test)]
 mod tests;
-mod texture;
 mod tracer;
 mod view;
 pub mod ward;

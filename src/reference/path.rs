@@ -139,8 +139,8 @@ impl<'a, 'b> Path<'a, 'b> {
 
     /// Irradiance from emitting triangles by a point on one of them.
     fn emitters(&mut self, vertex: &SurfacePoint, numbers: [f64; 3]) -> DVec3 {
-        let Tracer { scene, emitters, material_of, .. } = self.tracer;
-        let Some(sample) = emitters.sample(scene, material_of, vertex.position, numbers) else { return DVec3::ZERO };
+        let Tracer { scene, emitters, .. } = self.tracer;
+        let Some(sample) = emitters.sample(scene, vertex.position, numbers) else { return DVec3::ZERO };
         let offset = sample.position - vertex.position;
         let distance2 = offset.length_squared();
         let cos = cosine(vertex, offset / distance2.sqrt());

@@ -34,20 +34,12 @@ impl<'a> Sky<'a> {
 
     /// Whether any light can come from the sky.
     pub fn is_black(&self) -> bool {
-        match self.background {
-            Background::Black => true,
-            Background::Constant(l) => l.max_element() <= 0.0,
-            Background::Map(_) => self.texels.is_none(),
-        }
+        self.background.is_black()
     }
 
     /// Radiance from `direction`, W·sr⁻¹·m⁻².
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
-        match self.background {
-            Background::Black => DVec3::ZERO,
-            Background::Constant(l) => l.as_dvec3(),
-            Background::Map(map) => lookup(map, direction),
-        }
+        self.background.radiance(direction.as_vec3()).as_dvec3()
     }
 
     /// A direction in proportion to a map's radiance. `None` for a constant sky: a cosine-distributed direction is already
@@ -62,7 +54,7 @@ impl<'a> Sky<'a> {
         let density = self.texel_density(map, texels, i, sin);
         (density > 0.0 && density.is_finite()).then(|| SkySample {
             direction,
-            radiance: lookup(map, direction),
+            radiance: self.radiance(direction),
             density,
         })
     }
@@ -90,15 +82,6 @@ fn texel(map: &EnvironmentMap, x: i64, y: i64) -> DVec3 {
     let x = x.rem_euclid(i64::from(map.width)) as usize;
     let y = y.clamp(0, i64::from(map.height) - 1) as usize;
     DVec3::from_array(map.rgb[y * map.width as usize + x].map(f64::from))
-}
-
-/// Bilinear; columns wrap around, rows end at the poles.
-fn lookup(map: &EnvironmentMap, direction: DVec3) -> DVec3 {
-    let (u, v) = coordinates(direction);
-    let (x, y) = (u * f64::from(map.width) - 0.5, v * f64::from(map.height) - 0.5);
-    let (i, j) = (x.floor(), y.floor());
-    let row = |y: i64| texel(map, i as i64, y).lerp(texel(map, i as i64 + 1, y), x - i);
-    row(j as i64).lerp(row(j as i64 + 1), y - j)
 }
 
 /// Mean radiance of a texel and its neighbours × solid angle: not zero wherever the bilinear lookup is not.

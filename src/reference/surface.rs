@@ -1,9 +1,8 @@
 //! What a ray finds where it meets a triangle.
 
 use super::bvh::Hit;
-use super::texture::{Encoding, lookup};
-use crate::scene::{Material, Scene, TextureRef};
-use glam::{DVec3, Vec2, Vec4};
+use crate::scene::Scene;
+use glam::{DVec3, Vec2, Vec3};
 
 /// Rays leave a surface this far above it, relative to the largest coordinate of its triangle. Double precision is off by
 /// some 2⁻⁵¹ of that coordinate; what single-precision meshes can mean is above 2⁻²⁴ of it.
@@ -30,76 +29,21 @@ pub struct SurfacePoint {
     pub triangle: u32,
 }
 
-/// Corner indices and weights of a point on a triangle, to interpolate vertex streams with.
-#[derive(Clone, Copy)]
-pub struct Interpolation {
-    corners: [u32; 3],
-    weights: [f64; 3],
+/// Position of a point on a triangle relative to the scene's origin, exact to double precision. `b1` and `b2` are the
+/// weights of corners 1 and 2.
+pub fn position(scene: &Scene, triangle: u32, (b1, b2): (f64, f64)) -> DVec3 {
+    let [a, b, c] = scene.corners(triangle).map(|p| p.as_dvec3());
+    a * (1.0 - b1 - b2) + b * b1 + c * b2
 }
 
-impl Interpolation {
-    /// `barycentric` belongs to corners 1 and 2.
-    pub fn new(scene: &Scene, triangle: u32, (b1, b2): (f64, f64)) -> Self {
-        Self { corners: scene.triangles[triangle as usize], weights: [1.0 - b1 - b2, b1, b2] }
-    }
-
-    fn sum<T, S: std::iter::Sum>(&self, stream: &[T], scale: impl Fn(&T, f64) -> S) -> S {
-        self.corners.iter().zip(self.weights).map(|(&i, w)| scale(&stream[i as usize], w)).sum()
-    }
-
-    /// Position relative to the scene's origin, exact to double precision.
-    pub fn position(&self, scene: &Scene) -> DVec3 {
-        self.sum(&scene.positions, |p, w| p.as_dvec3() * w)
-    }
-
-    fn uv(&self, scene: &Scene, set: u32) -> Vec2 {
-        let stream = &scene.uvs[set as usize];
-        if stream.is_empty() { Vec2::ZERO } else { self.sum(stream, |t, w| *t * w as f32) }
-    }
-
-    fn texture(&self, scene: &Scene, reference: TextureRef, encoding: Encoding) -> Vec4 {
-        lookup(scene, reference, self.uv(scene, reference.set), encoding)
-    }
-
-    /// Linear albedo (RGB) and alpha: base colour × texture × vertex colour.
-    pub fn base_color(&self, scene: &Scene, material: &Material) -> Vec4 {
-        let mut color = material.base_color;
-        if let Some(reference) = material.base_texture {
-            color *= self.texture(scene, reference, Encoding::Srgb);
-        }
-        if !scene.colors.is_empty() {
-            color *= self.sum(&scene.colors, |c, w| *c * w as f32);
-        }
-        color
-    }
-
-    /// Emitted radiance on an emitting side, W·sr⁻¹·m⁻².
-    pub fn emission(&self, scene: &Scene, material: &Material) -> DVec3 {
-        match material.emission_texture {
-            Some(reference) => {
-                (material.emission * self.texture(scene, reference, Encoding::Srgb).truncate()).as_dvec3()
-            }
-            None => material.emission.as_dvec3(),
-        }
-    }
-
-    /// Shading normal on the triangle's front, with the normal map; `geometric` where the mesh gives none.
-    fn normal(&self, scene: &Scene, material: &Material, geometric: DVec3) -> DVec3 {
-        let smooth = self.sum(&scene.normals, |n, w| n.as_dvec3() * w).try_normalize().unwrap_or(geometric);
-        let Some(reference) = material.normal_texture.filter(|_| !scene.tangents.is_empty()) else { return smooth };
-        let map = self.texture(scene, reference, Encoding::Linear).truncate().as_dvec3() * 2.0 - 1.0;
-        let tangent = self.sum(&scene.tangents, |t, w| t.truncate().as_dvec3() * w);
-        let handedness = f64::from(scene.tangents[self.corners[0] as usize].w);
-        let bitangent = smooth.cross(tangent) * handedness;
-        let scale = f64::from(material.normal_scale);
-        let mapped = tangent * (map.x * scale) + bitangent * (map.y * scale) + smooth * map.z;
-        mapped.try_normalize().unwrap_or(smooth)
-    }
+/// Barycentric coordinates as the scene's own lookups take them.
+pub fn single((b1, b2): (f64, f64)) -> Vec2 {
+    Vec2::new(b1 as f32, b2 as f32)
 }
 
 /// Unit normal of the triangle's front, twice its area, and the largest coordinate of its corners.
 pub fn triangle_plane(scene: &Scene, triangle: u32) -> (DVec3, f64, f64) {
-    let [a, b, c] = scene.triangles[triangle as usize].map(|i| scene.positions[i as usize].as_dvec3());
+    let [a, b, c] = scene.corners(triangle).map(|p| p.as_dvec3());
     let cross = (b - a).cross(c - a);
     let length = cross.length();
     let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
@@ -107,28 +51,22 @@ pub fn triangle_plane(scene: &Scene, triangle: u32) -> (DVec3, f64, f64) {
 }
 
 /// The surface at `hit`, seen by a ray of the given direction.
-pub fn evaluate(scene: &Scene, material: &Material, hit: &Hit, direction: DVec3) -> SurfacePoint {
-    let at = Interpolation::new(scene, hit.triangle, hit.barycentric);
+pub fn evaluate(scene: &Scene, hit: &Hit, direction: DVec3) -> SurfacePoint {
+    let seen = scene.surface(hit.triangle, single(hit.barycentric));
     let (front, _, reach) = triangle_plane(scene, hit.triangle);
     let from_front = front.dot(direction) < 0.0;
-    let side = if from_front { 1.0 } else { -1.0 };
-    let geometric = front * side;
-    let mut normal = at.normal(scene, material, front);
-    if normal.dot(geometric) < 0.0 {
-        normal = -normal;
-    }
-    let position = at.position(scene);
-    let emission = at.emission(scene, material);
-    let emitter = emission != DVec3::ZERO;
-    let albedo = if emitter { DVec3::ZERO } else { at.base_color(scene, material).truncate().as_dvec3() };
+    let geometric = if from_front { front } else { -front };
+    let shading = seen.shading_normal.as_dvec3().normalize();
+    let position = position(scene, hit.triangle, hit.barycentric);
+    let emits = from_front || scene.materials[seen.material as usize].double_sided;
     SurfacePoint {
         position,
         ray_origin: position + geometric * (LIFT * reach),
         geometric,
-        normal,
-        albedo,
-        emission: if from_front || material.double_sided { emission } else { DVec3::ZERO },
-        emitter,
+        normal: if shading.dot(geometric) < 0.0 { -shading } else { shading },
+        albedo: seen.albedo.as_dvec3(),
+        emission: if emits { seen.emission.as_dvec3() } else { DVec3::ZERO },
+        emitter: seen.emission != Vec3::ZERO,
         triangle: hit.triangle,
     }
 }

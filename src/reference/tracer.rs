@@ -3,7 +3,7 @@
 use super::bvh::{Bvh, Hit};
 use super::lights::Emitters;
 use super::sky::Sky;
-use super::surface::{Interpolation, SurfacePoint, evaluate};
+use super::surface::{SurfacePoint, evaluate, single};
 use crate::scene::Scene;
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,8 +15,6 @@ pub struct Tracer<'a> {
     pub(super) sky: Sky<'a>,
     pub(super) emitters: Emitters,
     bvh: Bvh,
-    /// One entry a triangle.
-    pub(super) material_of: Vec<u32>,
     /// One entry a triangle: alpha decides, point by point, whether the surface is there.
     masked: Vec<bool>,
     rays: AtomicU64,
@@ -28,19 +26,18 @@ pub struct Tracer<'a> {
 impl<'a> Tracer<'a> {
     /// Builds the hierarchy and the tables of lights.
     pub fn new(scene: &'a Scene) -> Self {
-        let mut material_of = vec![0; scene.triangles.len()];
+        let mut masked = vec![false; scene.triangles.len()];
         for part in &scene.parts {
             let first = part.first_triangle as usize;
-            material_of[first..first + part.triangle_count as usize].fill(part.material);
+            let cut = scene.materials[part.material as usize].alpha_cutoff.is_some();
+            masked[first..first + part.triangle_count as usize].fill(cut);
         }
-        let cut = |&m: &u32| scene.materials[m as usize].alpha_cutoff.is_some();
         Self {
             scene,
             sky: Sky::new(&scene.background),
-            emitters: Emitters::new(scene, &material_of),
+            emitters: Emitters::new(scene),
             bvh: Bvh::new(&scene.positions, &scene.triangles),
-            masked: material_of.iter().map(cut).collect(),
-            material_of,
+            masked,
             rays: AtomicU64::new(0),
             #[cfg(test)]
             emitters_reflect: false,
@@ -54,12 +51,12 @@ impl<'a> Tracer<'a> {
 
     /// The surface where a ray of the given direction hits.
     pub fn surface(&self, hit: &Hit, direction: DVec3) -> SurfacePoint {
-        let material = &self.scene.materials[self.material_of[hit.triangle as usize] as usize];
         #[allow(unused_mut)]
-        let mut surface = evaluate(self.scene, material, hit, direction);
+        let mut surface = evaluate(self.scene, hit, direction);
         #[cfg(test)]
         if self.emitters_reflect {
-            surface.albedo = material.base_color.truncate().as_dvec3();
+            let material = self.scene.material_of(hit.triangle) as usize;
+            surface.albedo = self.scene.materials[material].base_color.truncate().as_dvec3();
         }
         surface
     }
@@ -90,11 +87,6 @@ impl<'a> Tracer<'a> {
 
     #[inline]
     fn solid(&self, triangle: u32, barycentric: (f64, f64)) -> bool {
-        if !self.masked[triangle as usize] {
-            return true;
-        }
-        let material = &self.scene.materials[self.material_of[triangle as usize] as usize];
-        let alpha = Interpolation::new(self.scene, triangle, barycentric).base_color(self.scene, material).w;
-        material.alpha_cutoff.is_none_or(|cutoff| alpha >= cutoff)
+        !self.masked[triangle as usize] || self.scene.is_present(triangle, single(barycentric))
     }
 }
