@@ -4,6 +4,7 @@
 
 mod common;
 mod compare;
+mod reference;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -20,12 +21,14 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Compare(compare::CompareArgs),
+    Reference(Box<reference::ReferenceArgs>),
 }
 
 /// Runs the chosen subcommand.
 pub fn run(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Command::Compare(args) => compare::run(&args),
+        Command::Reference(args) => reference::run(&args),
     }
 }
 
