@@ -12,9 +12,9 @@ use rayon::prelude::*;
 /// Paths a pixel in one batch where no total is given.
 pub const OPEN_BATCH: u32 = 4;
 /// Largest batch: beyond it one sequence's better spread gains little.
-const MAX_BATCH: u32 = 64;
+const MAX_BATCH: u32 = 1024;
 /// Fewest batches of a run with a given total: their spread is the standard error.
-const MIN_BATCHES: u32 = 8;
+const MIN_BATCHES: u32 = 4;
 
 /// What is computed and from which random numbers; not how long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
