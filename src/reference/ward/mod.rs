@@ -101,17 +101,32 @@ pub fn fill(
     let mut cache = Cache::new(*settings, center, half);
     let grid = Grid::new(settings.rays);
     let order = coarse_to_fine(pixels, width);
+    // Neighbour clamping shrinks zones that earlier candidates relied on: go over them again until nothing is missing.
+    // A record always covers its own pixel, so this ends.
+    loop {
+        let before = cache.records.len();
+        fill_once(tracer, pixels, settings, &grid, &order, &mut cache, &mut progress);
+        if cache.records.len() == before {
+            return cache;
+        }
+    }
+}
+
+fn fill_once(
+    tracer: &Tracer,
+    pixels: &[Pixel],
+    settings: &Settings,
+    grid: &Grid,
+    order: &[u32],
+    cache: &mut Cache,
+    progress: &mut impl FnMut(f64, usize),
+) {
     let mut next = 0;
     while next < order.len() {
         let scanned = &order[next..order.len().min(next + SCAN)];
-        let missing: Vec<usize> = scanned
-            .par_iter()
-            .map(|&i| missing(&cache, &pixels[i as usize]))
-            .enumerate()
-            .filter(|(_, m)| *m)
-            .map(|(k, _)| k)
-            .collect();
-        let batch = &missing[..missing.len().min(BATCH)];
+        let is_missing: Vec<bool> = scanned.par_iter().map(|&i| missing(cache, &pixels[i as usize])).collect();
+        let places: Vec<usize> = (0..scanned.len()).filter(|&k| is_missing[k]).collect();
+        let batch = &places[..places.len().min(BATCH)];
         let measured: Vec<_> = batch
             .par_iter()
             .filter_map(|&k| {
@@ -119,18 +134,15 @@ pub fn fill(
                 let surface = pixels[pixel as usize].reflector()?;
                 let (m, rays) = grid.measure(tracer, surface, settings.bounces, settings.seed, u64::from(pixel));
                 tracer.count_rays(rays);
-                Some((pixel, m))
+                Some((pixel, surface, m))
             })
             .collect();
-        for (pixel, m) in measured {
-            if let Some(surface) = pixels[pixel as usize].reflector() {
-                cache.insert(surface.position, surface.normal, m, pixel, pixels[pixel as usize].footprint);
-            }
+        for (pixel, surface, m) in measured {
+            cache.insert(surface.position, surface.normal, m, pixel, pixels[pixel as usize].footprint);
         }
-        next += if missing.len() > BATCH { batch[BATCH - 1] + 1 } else { scanned.len() };
+        next += if places.len() > BATCH { batch[BATCH - 1] + 1 } else { scanned.len() };
         progress(next as f64 / order.len() as f64, cache.records.len());
     }
-    cache
 }
 
 fn missing(cache: &Cache, pixel: &Pixel) -> bool {
