@@ -3,4 +3,5 @@
 mod closed_forms;
 mod gradients;
 mod peers;
+mod promises;
 mod scenes;

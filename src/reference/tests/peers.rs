@@ -65,9 +65,9 @@ fn compare(name: &str, size: (u32, u32), spp: u32, noise: &[(&str, f64)]) {
     }
 }
 
-/// Four layers are everything, fewer stop short.
+/// The other renderer's files end after ten reflections: in Sponza 2.5 % of `b3plus` come later.
 fn layers_to_bounces(layers: usize) -> u32 {
-    if layers == 4 { Settings::ALL_BOUNCES } else { layers as u32 - 1 }
+    if layers == 4 { 10 } else { layers as u32 - 1 }
 }
 
 /// Leaves out the few pixels where a shadow's edge passes: the other renderer starts its rays millimetres off the surface
