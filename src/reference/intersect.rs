@@ -33,9 +33,11 @@ impl ShearedRay {
     }
 
     /// Meets the triangle from either side at any t, also behind the origin.
-    #[inline]
+    #[inline(always)]
     pub fn meet(&self, corners: &[Vec3; 3]) -> Option<TriangleHit> {
-        let [(ax, ay, az), (bx, by, bz), (cx, cy, cz)] = [0, 1, 2].map(|i| self.shear_corner(corners[i]));
+        let (ax, ay, az) = self.shear_corner(corners[0]);
+        let (bx, by, bz) = self.shear_corner(corners[1]);
+        let (cx, cy, cz) = self.shear_corner(corners[2]);
         let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
@@ -48,10 +50,11 @@ impl ShearedRay {
         Some(TriangleHit { t, barycentric: (v / sum, w / sum) })
     }
 
-    #[inline]
+    // Plain arithmetic: this is where the time goes.
+    #[inline(always)]
     fn shear_corner(&self, corner: Vec3) -> (f64, f64, f64) {
-        let p = corner.as_dvec3() - self.origin;
-        let [x, y, z] = self.axes.map(|i| p[i]);
-        (x - self.shear.x * z, y - self.shear.y * z, z)
+        let p = (corner.as_dvec3() - self.origin).to_array();
+        let [x, y, z] = self.axes;
+        (p[x] - self.shear.x * p[z], p[y] - self.shear.y * p[z], p[z])
     }
 }

@@ -1,6 +1,6 @@
 //! Light that is looked for: punctual lights and points on emitting triangles.
 
-use super::surface::{position, single, triangle_plane};
+use super::surface::{Plane, position, single};
 use crate::math::sampling::{self, Discrete};
 use crate::scene::{Emitter, Light, Scene};
 use glam::DVec3;
@@ -8,7 +8,7 @@ use glam::DVec3;
 /// Emitting triangles, chosen in proportion to their power.
 #[derive(Default)]
 pub struct Emitters {
-    emitters: Vec<Emitter>,
+    emitters: Vec<(Emitter, Plane)>,
     choice: Option<Discrete>,
     /// Per scene triangle: its place in `emitters`, or `u32::MAX`.
     place: Vec<u32>,
@@ -30,11 +30,12 @@ impl Emitters {
     /// Tabulates the triangles that emit. One whose texture hides its light from the estimate of its power is left to be
     /// found by chance.
     pub fn new(scene: &Scene) -> Self {
-        let emitters = scene.emitters();
-        let power = |e: &Emitter| triangle_plane(scene, e.triangle).1 * e.radiance.as_dvec3().element_sum();
+        let with_plane = |e: Emitter| (e, Plane::new(scene, e.triangle));
+        let emitters: Vec<_> = scene.emitters().into_iter().map(with_plane).collect();
+        let power = emitters.iter().map(|(e, plane)| plane.area * e.radiance.as_dvec3().element_sum());
         let mut place = vec![u32::MAX; scene.triangles.len()];
-        emitters.iter().enumerate().for_each(|(i, e)| place[e.triangle as usize] = i as u32);
-        Self { choice: Discrete::new(emitters.iter().map(power)), emitters, place }
+        emitters.iter().enumerate().for_each(|(i, (e, _))| place[e.triangle as usize] = i as u32);
+        Self { choice: Discrete::new(power), emitters, place }
     }
 
     /// Whether no triangle emits.
@@ -46,23 +47,20 @@ impl Emitters {
     pub fn sample(&self, scene: &Scene, from: DVec3, [pick, u, v]: [f64; 3]) -> Option<EmitterSample> {
         let choice = self.choice.as_ref()?;
         let (i, _) = choice.sample(pick);
-        let Emitter { triangle, double_sided, .. } = self.emitters[i];
+        let (Emitter { triangle, double_sided, .. }, plane) = self.emitters[i];
         let at = sampling::triangle(u, v);
-        let (front, twice_area, _) = triangle_plane(scene, triangle);
         let position = position(scene, triangle, at);
-        let cos = front.dot(from - position) / (from - position).length();
+        let cos = plane.front.dot(from - position) / (from - position).length();
         let dark = cos <= 0.0 && !double_sided || !scene.is_present(triangle, single(at));
         let radiance = if dark { DVec3::ZERO } else { scene.surface(triangle, single(at)).emission.as_dvec3() };
-        let density = choice.probability(i) / (0.5 * twice_area);
+        let density = choice.probability(i) / plane.area;
         Some(EmitterSample { position, radiance, cos: cos.abs(), density })
     }
 
     /// Density of [`Emitters::sample`] on `triangle`, per unit of area; 0 if it is never chosen.
-    pub fn density(&self, scene: &Scene, triangle: u32) -> f64 {
+    pub fn density(&self, triangle: u32) -> f64 {
         match (&self.choice, self.place[triangle as usize]) {
-            (Some(choice), i) if i != u32::MAX => {
-                choice.probability(i as usize) / (0.5 * triangle_plane(scene, triangle).1)
-            }
+            (Some(choice), i) if i != u32::MAX => choice.probability(i as usize) / self.emitters[i as usize].1.area,
             _ => 0.0,
         }
     }

@@ -49,7 +49,8 @@ impl<'a, 'b> Path<'a, 'b> {
         let mut vertex = *first;
         let mut throughput = DVec3::ONE;
         for bounce in 0..=bounces {
-            let (a, b) = (self.sampler.next4(), self.sampler.next4());
+            let a = self.sampler.next4();
+            let b = if self.draws_light() { self.sampler.next4() } else { [0.0; 4] };
             let mut direct = self.emitters(&vertex, [a[2], b[0], b[1]]) + self.sky_map(&vertex, [b[2], b[3]]);
             if bounce > 0 || punctual_at_first {
                 direct += self.punctual(&vertex);
@@ -163,6 +164,11 @@ impl<'a, 'b> Path<'a, 'b> {
         sample.radiance * (cos / sample.density * power_heuristic(sample.density, cos * FRAC_1_PI))
     }
 
+    /// Whether some light is sampled by place or texel.
+    fn draws_light(&self) -> bool {
+        !self.tracer.emitters.is_empty() || self.tracer.sky.is_map()
+    }
+
     fn direction_finds_light(&self) -> bool {
         !self.tracer.emitters.is_empty() || !self.tracer.sky.is_black()
     }
@@ -183,7 +189,7 @@ impl<'a, 'b> Path<'a, 'b> {
         let mut radiance = next.emission;
         if radiance != DVec3::ZERO {
             let cos = next.geometric.dot(direction).abs();
-            let by_area = self.tracer.emitters.density(self.tracer.scene, next.triangle);
+            let by_area = self.tracer.emitters.density(next.triangle);
             radiance *= power_heuristic(density, by_area * hit.t * hit.t / cos);
         }
         Some(Arrival { radiance, next: Some(next), distance: hit.t })

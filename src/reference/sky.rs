@@ -37,6 +37,11 @@ impl<'a> Sky<'a> {
         self.background.is_black()
     }
 
+    /// Whether [`Sky::sample`] can give directions.
+    pub fn is_map(&self) -> bool {
+        self.texels.is_some()
+    }
+
     /// Radiance from `direction`, W·sr⁻¹·m⁻².
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         self.background.radiance(direction.as_vec3()).as_dvec3()

@@ -41,27 +41,39 @@ pub fn single((b1, b2): (f64, f64)) -> Vec2 {
     Vec2::new(b1 as f32, b2 as f32)
 }
 
-/// Unit normal of the triangle's front, twice its area, and the largest coordinate of its corners.
-pub fn triangle_plane(scene: &Scene, triangle: u32) -> (DVec3, f64, f64) {
-    let [a, b, c] = scene.corners(triangle).map(|p| p.as_dvec3());
-    let cross = (b - a).cross(c - a);
-    let length = cross.length();
-    let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
-    (cross / length, length, reach)
+/// A triangle's plane, in double precision.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane {
+    /// Unit normal of the front.
+    pub front: DVec3,
+    /// Square scene units.
+    pub area: f64,
+    /// Height at which rays leave the surface.
+    lift: f64,
+}
+
+impl Plane {
+    /// Of a triangle of the scene.
+    pub fn new(scene: &Scene, triangle: u32) -> Self {
+        let [a, b, c] = scene.corners(triangle).map(|p| p.as_dvec3());
+        let cross = (b - a).cross(c - a);
+        let length = cross.length();
+        let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
+        Self { front: cross / length, area: 0.5 * length, lift: LIFT * reach }
+    }
 }
 
 /// The surface at `hit`, seen by a ray of the given direction.
-pub fn evaluate(scene: &Scene, hit: &Hit, direction: DVec3) -> SurfacePoint {
+pub fn evaluate(scene: &Scene, plane: &Plane, hit: &Hit, direction: DVec3) -> SurfacePoint {
     let seen = scene.surface(hit.triangle, single(hit.barycentric));
-    let (front, _, reach) = triangle_plane(scene, hit.triangle);
-    let from_front = front.dot(direction) < 0.0;
-    let geometric = if from_front { front } else { -front };
+    let from_front = plane.front.dot(direction) < 0.0;
+    let geometric = if from_front { plane.front } else { -plane.front };
     let shading = seen.shading_normal.as_dvec3().normalize();
     let position = position(scene, hit.triangle, hit.barycentric);
     let emits = from_front || scene.materials[seen.material as usize].double_sided;
     SurfacePoint {
         position,
-        ray_origin: position + geometric * (LIFT * reach),
+        ray_origin: position + geometric * plane.lift,
         geometric,
         normal: if shading.dot(geometric) < 0.0 { -shading } else { shading },
         albedo: seen.albedo.as_dvec3(),

@@ -3,7 +3,7 @@
 use super::bvh::{Bvh, Hit};
 use super::lights::Emitters;
 use super::sky::Sky;
-use super::surface::{SurfacePoint, evaluate, single};
+use super::surface::{Plane, SurfacePoint, evaluate, single};
 use crate::scene::Scene;
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,6 +15,8 @@ pub struct Tracer<'a> {
     pub(super) sky: Sky<'a>,
     pub(super) emitters: Emitters,
     bvh: Bvh,
+    /// One entry a triangle.
+    planes: Vec<Plane>,
     /// One entry a triangle: alpha decides, point by point, whether the surface is there.
     masked: Vec<bool>,
     rays: AtomicU64,
@@ -37,6 +39,7 @@ impl<'a> Tracer<'a> {
             sky: Sky::new(&scene.background),
             emitters: Emitters::new(scene),
             bvh: Bvh::new(&scene.positions, &scene.triangles),
+            planes: (0..scene.triangles.len() as u32).map(|t| Plane::new(scene, t)).collect(),
             masked,
             rays: AtomicU64::new(0),
             #[cfg(test)]
@@ -52,7 +55,7 @@ impl<'a> Tracer<'a> {
     /// The surface where a ray of the given direction hits.
     pub fn surface(&self, hit: &Hit, direction: DVec3) -> SurfacePoint {
         #[allow(unused_mut)]
-        let mut surface = evaluate(self.scene, hit, direction);
+        let mut surface = evaluate(self.scene, &self.planes[hit.triangle as usize], hit, direction);
         #[cfg(test)]
         if self.emitters_reflect {
             let material = self.scene.material_of(hit.triangle) as usize;

@@ -38,6 +38,14 @@ pub struct Output {
 pub fn job(args: &ReferenceArgs) -> Result<Job> {
     let extension = args.output.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
     ensure!(matches!(extension.as_str(), "exr" | "png"), "{:?} is neither .exr nor .png", args.output);
+    for file in [Some(&args.output), args.resume.as_ref(), args.stats.as_ref()].into_iter().flatten() {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        ensure!(
+            folder.is_none_or(Path::is_dir),
+            "cannot write {file:?}: there is no folder {:?}",
+            folder.unwrap_or(file)
+        );
+    }
     if args.method == Method::Ward {
         ensure!(args.bounces > 0, "--method ward caches indirect light: it needs --bounces 1 or more");
         ensure!(args.ward.min_radius <= args.ward.max_radius, "--min-radius is larger than --max-radius");

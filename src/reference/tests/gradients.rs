@@ -115,3 +115,30 @@ fn one_record_returns_its_own_value_and_its_slope() {
     }
     assert_eq!(Gradients::default(), Gradients::Both);
 }
+
+#[test]
+fn nothing_leaks_into_the_cache_through_a_thin_wall() {
+    // A room without light inside, 1e6 outside; the camera sees the room's inside through a wall that is not there for it.
+    let mut scene = Scene { background: Background::Constant(Vec3::splat(1e6)), ..Scene::default() };
+    add(&mut scene, diffuse(0.9), &box_faces(vec3(-1.0, -1.0, -1.0), vec3(1.0, 1.0, 1.0)).concat());
+    add(
+        &mut scene,
+        diffuse(0.9),
+        &quad([vec3(-9.0, -9.0, -1.5), vec3(9.0, -9.0, -1.5), vec3(9.0, 9.0, -1.5), vec3(-9.0, 9.0, -1.5)]),
+    );
+    let tracer = Tracer::new(&scene);
+    let grid = Grid::new(256);
+    let mut cache = Cache::new(Settings { max_radius: 1e9, ..Settings::default() }, DVec3::ZERO, 10.0);
+    for (i, (z, normal)) in [(-1.01, DVec3::NEG_Z), (-0.99, DVec3::Z)].into_iter().enumerate() {
+        let at = surface(dvec3(0.2, 0.1, z), normal);
+        let (m, _) = grid.measure(&tracer, &at, 3, 1, i as u64);
+        cache.insert(at.position, at.normal, m, i as u32, 0.001);
+    }
+    assert_eq!(cache.records[1].measured.irradiance, DVec3::ZERO);
+    assert!(cache.records[0].measured.irradiance.x > 1e3);
+    for x in [0.1, 0.2, 0.3] {
+        let (inside, _) = cache.irradiance(dvec3(x, 0.1, -0.99), DVec3::Z).unwrap();
+        assert_eq!(inside, DVec3::ZERO);
+        assert!(cache.irradiance(dvec3(x, 0.1, -1.01), DVec3::NEG_Z).unwrap().0.x > 1e3);
+    }
+}
