@@ -1,7 +1,7 @@
 //! The reference scenes load as they are described. `HEMICUBE_SCENES` names their folder (default `../shared/scenes`).
 
 use glam::Vec3;
-use hemicube::scene::{Lens, Light, Scene, Wrap, load};
+use hemicube::scene::{Lens, Light, Scene, Wrap, cornell, load};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -54,9 +54,46 @@ fn cornell_box() {
 }
 
 #[test]
+fn the_built_in_box_is_the_reference_box() {
+    let Some(reference) = scene("cornell") else { return };
+    let built_in = cornell();
+    // Total area of each colour, and of what emits.
+    let areas = |scene: &Scene| {
+        let mut areas: Vec<([u32; 3], f64)> = Vec::new();
+        for triangle in 0..scene.triangles.len() as u32 {
+            let point = scene.surface(triangle, glam::Vec2::splat(1.0 / 3.0));
+            let color = (point.albedo + point.emission).to_array().map(|x| (x * 1000.0).round() as u32);
+            let area = f64::from(scene.area(triangle));
+            match areas.iter_mut().find(|(known, _)| *known == color) {
+                Some((_, sum)) => *sum += area,
+                None => areas.push((color, area)),
+            }
+        }
+        areas.sort_by_key(|(color, _)| *color);
+        areas
+    };
+    let (a, b) = (areas(&built_in), areas(&reference));
+    assert_eq!((built_in.triangles.len(), a.len()), (reference.triangles.len(), b.len()));
+    for ((color, area), (other_color, other_area)) in a.into_iter().zip(b) {
+        assert_eq!(color, other_color);
+        assert!((area - other_area).abs() < 1e-6 * area, "{color:?}: {area} {other_area}");
+    }
+    let difference = built_in.cameras[0].camera_to_world - reference.cameras[0].camera_to_world;
+    assert!(difference.to_cols_array().iter().all(|x| x.abs() < 1e-9), "{difference}");
+    let yfov = |s: &Scene| if let Lens::Perspective { yfov, .. } = s.cameras[0].lens { yfov } else { 0.0 };
+    assert!((yfov(&built_in) - yfov(&reference)).abs() < 1e-6);
+}
+
+#[test]
 fn sponza() {
     let Some(scene) = scene("sponza") else { return };
     assert_eq!((scene.triangles.len(), scene.textures.len()), (66_445, 10));
+    // Summed by a program of its own from the buffers.
+    let area: f64 = (0..66_445).map(|t| f64::from(scene.area(t))).sum();
+    assert!((area - 7_502.905_72).abs() < 1e-3, "{area}");
+    let (low, high) = scene.bounds();
+    assert!((low - Vec3::new(-17.402_76, -0.906_689, -7.798_513)).length() < 1e-5, "{low}");
+    assert!((high - Vec3::new(17.417_24, 15.653_314, 7.801_49)).length() < 1e-5, "{high}");
     assert!(scene.textures.iter().all(|t| t.wrap == [Wrap::Repeat; 2] && !t.nearest));
     let [Light::Directional { direction, irradiance }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
     assert!(direction.y < -0.5, "{direction}");

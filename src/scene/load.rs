@@ -4,8 +4,9 @@
 //! Triangles (lists, strips, fans; indexed or not) of the default scene, else of the first scene, else of all nodes,
 //! else (a library of meshes) of every mesh as it stands;
 //! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinate sets 0 and 1; cameras;
-//! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_mesh_quantization, KHR_texture_transform,
-//! EXT_mesh_gpu_instancing, EXT_meshopt_compression, KHR_meshopt_compression, EXT_texture_webp.
+//! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_materials_pbrSpecularGlossiness (its diffuse
+//! part), KHR_mesh_quantization, KHR_texture_transform, EXT_mesh_gpu_instancing, EXT_meshopt_compression,
+//! KHR_meshopt_compression, EXT_texture_webp.
 //!
 //! # What is not
 //! Every surface is Lambertian: its albedo is the base colour, metallic and roughness are ignored. A light's `range` is
@@ -29,7 +30,8 @@
 //! | a node with both `matrix` and translation, rotation or scale | the matrix counts |
 //! | a vertex count that is no multiple of three | the rest is left out |
 //! | triangles without area | left out |
-//! | GLB: duplicate or empty chunks, trailing bytes, unaligned lengths | the first of each kind counts |
+//! | GLB: more chunks, bytes after the end, lengths that are no multiple of four | the first chunk of each kind counts |
+//! | textures that name no image | left out |
 //! | images whose `mimeType` or extension lies | told by their bytes |
 //! | camera clip planes | not used |
 
@@ -43,14 +45,14 @@ use super::gltf::primitive::{self, Budget, Primitive};
 use super::gltf::textures::TextureStore;
 use super::gltf::{Notes, container, extensions, lights, materials};
 use super::{Material, Scene};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, btree_map::Entry};
 use std::io::{self, Read};
 use std::path::Path;
 
 /// How large a scene may get. Sizes are checked before memory is taken.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
-    /// Triangles after all instances are placed; within it, a file may make at most 2²² + 256 for each of its bytes.
+    /// Triangles after all instances are placed; within it, a file may make at most 2²⁰ + 64 for each of its bytes.
     pub triangles: u64,
     /// Texels of all textures together.
     pub texels: u64,
@@ -103,7 +105,7 @@ fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, limits: Limits) -> Result<Sc
     let placed = nodes::flatten(&document)?;
     let meshes = read_meshes(&document, &buffers, &placed, limits, &mut notes)?;
     let drawn = Drawn { document: &document, buffers: &buffers, placed: &placed, meshes: &meshes };
-    let allowed = limits.triangles.min((1 << 22) + 256 * (bytes.len() as u64 + buffers.fetched_bytes()));
+    let allowed = limits.triangles.min((1 << 20) + 64 * (bytes.len() as u64 + buffers.fetched_bytes()));
     let draws = drawn.list(allowed)?;
     let mut scene = drawn.build(draws, limits, &mut notes)?;
     scene.lights = lights::lights(&document, &placed, scene.origin)?;
@@ -125,12 +127,12 @@ fn read_meshes(
     notes: &mut Notes,
 ) -> Result<BTreeMap<usize, Mesh>> {
     let mut meshes = BTreeMap::new();
-    let mut budget = Budget(limits.triangles.saturating_mul(3));
+    let mut budget = Budget(limits.triangles.saturating_mul(3).min(u64::from(u32::MAX)));
     for p in placed {
         let Some(mesh) = document.nodes[p.node].mesh else { continue };
-        if !meshes.contains_key(&mesh) {
+        if let Entry::Vacant(place) = meshes.entry(mesh) {
             item(&document.meshes, "mesh", mesh).within(|| document.node_label(p.node))?;
-            meshes.insert(mesh, read_mesh(document, buffers, mesh, &mut budget, notes)?);
+            place.insert(read_mesh(document, buffers, mesh, &mut budget, notes)?);
         }
     }
     Ok(meshes)
@@ -175,32 +177,47 @@ struct Drawn<'a, 'b> {
 impl<'a> Drawn<'a, '_> {
     /// Each primitive at each place, by the document's material (none: last) and then in node order.
     fn list(&self, allowed: u64) -> Result<Vec<Draw<'a>>> {
+        self.check_count(allowed)?;
         let mut draws = Vec::new();
-        let mut total = 0u64;
-        for p in self.placed {
-            let node = &self.document.nodes[p.node];
-            let Some((mesh, primitives)) = node.mesh.and_then(|m| Some((m, self.meshes.get(&m)?))) else { continue };
-            let count: u64 = primitives.iter().map(|(_, p)| p.triangles.len() as u64).sum();
-            let instances = nodes::instances(self.document, self.buffers, node);
-            for instance in instances.within(|| self.document.node_label(p.node))? {
-                total += count;
-                if total > allowed {
-                    let what = format!("more than {allowed} triangles once every instance is placed");
-                    return Err(Fault::new(Kind::TooLarge, what));
-                }
-                let to_world = p.to_world * instance;
-                draws.extend(primitives.iter().map(|(index, primitive)| Draw {
+        for (node, mesh, primitives) in self.drawn_meshes() {
+            let instances = nodes::instances(self.document, self.buffers, &self.document.nodes[node.node]);
+            for instance in instances.within(|| self.document.node_label(node.node))? {
+                let to_world = node.to_world * instance;
+                let draw = |(index, primitive): &'a (usize, Primitive)| Draw {
                     primitive,
                     to_world,
                     material: 0,
                     mesh,
                     index: *index,
-                }));
+                };
+                draws.extend(primitives.iter().map(draw));
             }
         }
         draws.retain(|d| !d.primitive.triangles.is_empty());
         draws.sort_by_key(|d| (d.primitive.material.is_none(), d.primitive.material));
         Ok(draws)
+    }
+
+    /// Refuses more triangles than allowed before a single instance is made.
+    fn check_count(&self, allowed: u64) -> Result<()> {
+        let mut total = 0u64;
+        for (node, _, primitives) in self.drawn_meshes() {
+            let count = nodes::instance_count(self.document, self.buffers, &self.document.nodes[node.node]);
+            let count = count.within(|| self.document.node_label(node.node))? as u64;
+            let triangles = primitives.iter().map(|(_, p)| p.triangles.len() as u64).sum::<u64>();
+            total = total.saturating_add(count.saturating_mul(triangles.max(1)));
+        }
+        if total > allowed {
+            let what = format!("{total} triangles once every instance is placed; {allowed} are allowed");
+            return Err(Fault::new(Kind::TooLarge, what));
+        }
+        Ok(())
+    }
+
+    /// Nodes that draw a mesh.
+    fn drawn_meshes(&self) -> impl Iterator<Item = (&'a Placed, usize, &'a Mesh)> {
+        let (placed, document, meshes) = (self.placed, self.document, self.meshes);
+        placed.iter().filter_map(move |p| document.nodes[p.node].mesh.and_then(|m| Some((p, m, meshes.get(&m)?))))
     }
 
     /// Materials, textures and all triangles.
@@ -271,3 +288,7 @@ fn note_rest_poses(document: &Document, placed: &[Placed], notes: &mut Notes) {
     notes.add_if("morph targets are not applied", morphed);
     notes.add_if("animations are not played", document.has_animations);
 }
+
+#[cfg(test)]
+#[path = "load_tests/mod.rs"]
+mod tests;

@@ -3,13 +3,15 @@
 //! A [`Scene`] is flat: node transforms and instances are applied, so that each triangle has its place in the world and
 //! can carry its own lit radiance. Lengths are the file's units; radiometric values are RGB without hidden scale (glTF's
 //! candela, lux and nits are taken as W·sr⁻¹, W·m⁻² and W·sr⁻¹·m⁻²).
+//!
+//! [`load()`] reads one from glTF ([`mod@load`] says what is read and what is tolerated); [`cornell()`] is built in.
 
 mod background;
 mod camera;
 mod cornell;
 mod error;
 mod gltf;
-mod load;
+pub mod load;
 mod sample;
 
 pub use camera::{LARGEST_SIDE, frame, image_size};

@@ -27,6 +27,8 @@ pub enum Encoding {
 impl Texture {
     /// The texture at `uv`, filtered as its sampler says, linear values.
     pub fn sample(&self, uv: Vec2, encoding: Encoding) -> Vec4 {
+        // A texture transform can carry finite coordinates out of range.
+        let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
         let size = Vec2::new(self.width as f32, self.height as f32);
         // Far coordinates lose their fraction anyway; the clamp keeps integers in range.
         let at = (uv * size).clamp(Vec2::splat(-1e9), Vec2::splat(1e9));

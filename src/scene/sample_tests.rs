@@ -38,7 +38,7 @@ fn wrapping_is_as_vulkan_says() {
     assert_eq!(order(Wrap::MirroredRepeat), [2, 1, 0, 0, 1, 2, 2, 1, 0]);
     assert_eq!(order(Wrap::ClampToEdge), [0, 0, 0, 0, 1, 2, 2, 2, 2]);
     for uv in [Vec2::splat(f32::MAX), Vec2::splat(-1e30), Vec2::NAN] {
-        checker(Wrap::MirroredRepeat, false).sample(uv, Encoding::Srgb);
+        assert!(checker(Wrap::MirroredRepeat, false).sample(uv, Encoding::Srgb).is_finite());
     }
 }
 

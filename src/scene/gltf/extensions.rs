@@ -10,6 +10,8 @@ const UNDERSTOOD: &[&str] = &[
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
+    // Its diffuse part.
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_texture_transform",
@@ -23,7 +25,6 @@ const HARMLESS: &[&str] = &[
     "KHR_materials_dispersion",
     "KHR_materials_ior",
     "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",

@@ -56,14 +56,21 @@ fn convert_one(material: &json::Material, store: &mut TextureStore<'_, '_>, note
     Ok(Material {
         name: material.name.clone().unwrap_or_default(),
         base_color: clamp_color(base_color, notes)?,
-        base_texture: base_texture.map(|t| texture(&t, store).within(|| "base colour")).transpose()?,
-        normal_texture: normal.map(|t| normal_texture(t, store).within(|| "normal map")).transpose()?,
+        base_texture: or_none(base_texture.map(|t| texture(&t, store).within(|| "base colour")), notes)?,
+        normal_texture: or_none(normal.map(|t| normal_texture(t, store).within(|| "normal map")), notes)?,
         normal_scale: normal.map_or(1.0, |t| if t.scale.is_finite() { t.scale } else { 1.0 }),
         emission,
-        emission_texture: emission_texture.map(|t| texture(t, store).within(|| "emission")).transpose()?,
+        emission_texture: or_none(emission_texture.map(|t| texture(t, store).within(|| "emission")), notes)?,
         alpha_cutoff: alpha_cutoff(material, notes),
         double_sided: material.double_sided,
     })
+}
+
+/// The texture that a material reads; a note where that shows no image.
+fn or_none(texture: Option<Result<Option<TextureRef>>>, notes: &mut Notes) -> Result<Option<TextureRef>> {
+    let Some(texture) = texture.transpose()? else { return Ok(None) };
+    notes.add_if("textures without an image are left out", texture.is_none());
+    Ok(texture)
 }
 
 /// Base colour, from the specular-glossiness extension where the material has it.
@@ -109,12 +116,15 @@ fn alpha_cutoff(material: &json::Material, notes: &mut Notes) -> Option<f32> {
     }
 }
 
-fn texture(info: &json::texture::Info, store: &mut TextureStore<'_, '_>) -> Result<TextureRef> {
+fn texture(info: &json::texture::Info, store: &mut TextureStore<'_, '_>) -> Result<Option<TextureRef>> {
     let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
     texture_ref(info.index.value(), info.tex_coord, transform, store)
 }
 
-fn normal_texture(info: &json::material::NormalTexture, store: &mut TextureStore<'_, '_>) -> Result<TextureRef> {
+fn normal_texture(
+    info: &json::material::NormalTexture,
+    store: &mut TextureStore<'_, '_>,
+) -> Result<Option<TextureRef>> {
     let name = "KHR_texture_transform";
     let value = info.extensions.as_ref().and_then(|e| e.others.get(name));
     let transform = value.map(TextureTransform::deserialize).transpose();
@@ -127,7 +137,7 @@ fn texture_ref(
     set: u32,
     transform: Option<&TextureTransform>,
     store: &mut TextureStore<'_, '_>,
-) -> Result<TextureRef> {
+) -> Result<Option<TextureRef>> {
     let set = transform.and_then(|t| t.tex_coord).unwrap_or(set);
     if set > 1 {
         let what = format!("texture coordinate set {set} is not supported; use set 0 or 1");
@@ -137,11 +147,12 @@ fn texture_ref(
     if !transform.is_finite() {
         return Err(Fault::invalid("its texture transform is not finite"));
     }
-    Ok(TextureRef { texture: store.get(index)?, set, transform })
+    Ok(store.get(index)?.map(|texture| TextureRef { texture, set, transform }))
 }
 
-/// Scale, then rotation, then offset (KHR_texture_transform). v points down, so the rotation that reads
-/// counter-clockwise has the signs of a clockwise one.
+/// Scale, then rotation, then offset (KHR_texture_transform). v points down, so the rotation that looks
+/// counter-clockwise has the signs of a clockwise one; the extension's GLSL listing misses this (KhronosGroup/glTF#1563),
+/// its text and other implementations do not.
 fn matrix(t: &TextureTransform) -> Mat3 {
     Mat3::from_translation(Vec2::from(t.offset.0))
         * Mat3::from_rotation_z(-t.rotation.0)

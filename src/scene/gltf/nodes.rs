@@ -101,28 +101,49 @@ fn trs(translation: Option<DVec3>, rotation: Option<DQuat>, scale: Option<DVec3>
 /// Transforms of a node's instances under the node (EXT_mesh_gpu_instancing); just the identity without the extension.
 pub fn instances(document: &Document, buffers: &Buffers<'_>, node: &Node) -> Result<Vec<DMat4>> {
     let Some(instancing) = &node.extensions.instancing else { return Ok(vec![DMat4::IDENTITY]) };
-    read_instances(document, buffers, instancing).within(|| "EXT_mesh_gpu_instancing")
+    let instances = Instances::open(document, buffers, instancing);
+    let all = instances.and_then(|of| (0..of.count).map(|i| of.get(i).within(|| format!("instance {i}"))).collect());
+    all.within(|| "EXT_mesh_gpu_instancing")
 }
 
-fn read_instances(document: &Document, buffers: &Buffers<'_>, instancing: &Instancing) -> Result<Vec<DMat4>> {
-    let open = |accessor: Option<usize>, components: usize, name: &str| {
-        let open =
-            |a| Reader::open(document, buffers, a, components..=components).within(|| format!("accessor {a} {name}"));
-        accessor.map(open).transpose()
-    };
-    let of = &instancing.attributes;
-    let translation = open(of.translation, 3, "TRANSLATION")?;
-    let rotation = open(of.rotation, 4, "ROTATION")?;
-    let scale = open(of.scale, 3, "SCALE")?;
-    let counts = || [&translation, &rotation, &scale].into_iter().flatten().map(|r| r.count);
-    let count = counts().next().unwrap_or(0);
-    if counts().any(|other| other != count) {
-        return Err(Fault::invalid("its accessors have different counts"));
+/// Number of a node's instances.
+pub fn instance_count(document: &Document, buffers: &Buffers<'_>, node: &Node) -> Result<usize> {
+    let Some(instancing) = &node.extensions.instancing else { return Ok(1) };
+    Instances::open(document, buffers, instancing).map(|i| i.count).within(|| "EXT_mesh_gpu_instancing")
+}
+
+/// Accessors of a transform an instance.
+struct Instances<'a> {
+    count: usize,
+    translation: Option<Reader<'a>>,
+    rotation: Option<Reader<'a>>,
+    scale: Option<Reader<'a>>,
+}
+
+impl<'a> Instances<'a> {
+    fn open(document: &'a Document, buffers: &'a Buffers<'_>, instancing: &Instancing) -> Result<Self> {
+        let open = |accessor: Option<usize>, components: usize, name: &str| {
+            let open = |index| {
+                let reader = Reader::open(document, buffers, index, components..=components);
+                reader.within(|| format!("accessor {index} {name}"))
+            };
+            accessor.map(open).transpose()
+        };
+        let of = &instancing.attributes;
+        let translation = open(of.translation, 3, "TRANSLATION")?;
+        let rotation = open(of.rotation, 4, "ROTATION")?;
+        let scale = open(of.scale, 3, "SCALE")?;
+        let counts = [&translation, &rotation, &scale].map(|r| r.as_ref().map(|r| r.count));
+        let count = counts.into_iter().flatten().next().unwrap_or(0);
+        if counts.into_iter().flatten().any(|other| other != count) {
+            return Err(Fault::invalid("its accessors have different counts"));
+        }
+        Ok(Self { count, translation, rotation, scale })
     }
-    let vector = |r: &Option<Reader<'_>>, i| r.as_ref().map(|r| DVec3::from(r.get::<3>(i).map(f64::from)));
-    let instance = |i| {
-        let rotation = rotation.as_ref().map(|r| DQuat::from_array(r.get::<4>(i).map(f64::from)));
-        trs(vector(&translation, i), rotation, vector(&scale, i)).within(|| format!("instance {i}"))
-    };
-    (0..count).map(instance).collect()
+
+    fn get(&self, i: usize) -> Result<DMat4> {
+        let vector = |r: &Option<Reader<'_>>| r.as_ref().map(|r| DVec3::from(r.get::<3>(i).map(f64::from)));
+        let rotation = self.rotation.as_ref().map(|r| DQuat::from_array(r.get::<4>(i).map(f64::from)));
+        trs(vector(&self.translation), rotation, vector(&self.scale))
+    }
 }

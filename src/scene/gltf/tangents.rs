@@ -39,10 +39,14 @@ fn from_file(piece: &mut Piece, draw: &Draw<'_>) {
 fn from_uvs(piece: &mut Piece, uvs: &[Vec2]) {
     let arrays = |v: &[Vec3]| -> Vec<[f32; 3]> { v.iter().map(|v| v.to_array()).collect() };
     let uvs: Vec<[f32; 2]> = uvs.iter().map(|uv| if uv.is_finite() { uv.to_array() } else { [0.0; 2] }).collect();
+    let largest = piece.positions.iter().fold(0.0f32, |m, p| m.max(p.abs().max_element()));
+    // A power of two, so that squares stay in range and nothing is rounded.
+    let scale = (-largest.log2().floor()).clamp(-126.0, 126.0).exp2();
+    let positions: Vec<Vec3> = piece.positions.iter().map(|p| *p * scale).collect();
     let indices = piece.triangles.as_flattened();
     let corners = meshopt::generate_tangents(
         Some(indices),
-        &arrays(&piece.positions),
+        &arrays(&positions),
         &arrays(&piece.normals),
         &uvs,
         meshopt::TangentOptions::Compatible,

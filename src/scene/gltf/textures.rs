@@ -36,27 +36,28 @@ impl<'a, 'b> TextureStore<'a, 'b> {
         Self { document, buffers, textures, known, reserve: (1 << 25).min(texels), left: texels }
     }
 
-    /// Index of the document's texture `index` among the decoded ones.
-    pub fn get(&mut self, index: usize) -> Result<u32> {
+    /// Index of the document's texture `index` among the decoded ones; `None` for a texture that shows no image.
+    pub fn get(&mut self, index: usize) -> Result<Option<u32>> {
         let texture = item(&self.document.textures, "texture", index)?;
         let at = || label("texture", index, texture.name.as_deref());
-        let image = source(texture).within(at)?;
+        let Some(image) = source(texture).within(at)? else { return Ok(None) };
         let sampler = texture.sampler.map(|s| item(&self.document.samplers, "sampler", s.value())).transpose();
         let sampling = sampler.within(at)?.map_or(([Wrap::Repeat; 2], false), sampling);
         if let Some(&known) = self.known.get(&(image, sampling)) {
-            return Ok(known);
+            return Ok(Some(known));
         }
         let mut decoded = self.decode(image)?;
         (decoded.wrap, decoded.nearest) = sampling;
         let place = self.textures.len() as u32;
         self.textures.push(decoded);
         self.known.insert((image, sampling), place);
-        Ok(place)
+        Ok(Some(place))
     }
 
     fn decode(&mut self, index: usize) -> Result<Texture> {
         let image = item(&self.document.images, "image", index)?;
-        let object = || label("image", index, image.name.as_deref().or(image.uri.as_deref().filter(|u| u.len() < 256)));
+        let uri = image.uri.as_deref().filter(|u| !u.starts_with("data:"));
+        let object = || label("image", index, image.name.as_deref().or(uri));
         if let Some(place) = self.known.iter().find_map(|((i, _), place)| (*i == index).then_some(*place)) {
             let copy = self.textures[place as usize].clone();
             self.spend(copy.rgba.len() as u64, 0).within(object)?;
@@ -71,12 +72,11 @@ impl<'a, 'b> TextureStore<'a, 'b> {
             (None, None) => Err(Fault::invalid("has neither URI nor bufferView")),
         };
         let rgba = rgba.within(object)?;
-        let uri = image.uri.as_deref().filter(|u| !u.starts_with("data:"));
         Ok(Texture {
             name: image.name.as_deref().or(uri).unwrap_or_default().to_owned(),
             width: rgba.width(),
             height: rgba.height(),
-            rgba: bytemuck::cast_vec(rgba.into_raw().chunks_exact(4).map(|t| [t[0], t[1], t[2], t[3]]).collect()),
+            rgba: rgba.as_raw().as_chunks().0.to_vec(),
             wrap: [Wrap::Repeat; 2],
             nearest: false,
         })
@@ -114,18 +114,21 @@ fn broken(error: image::ImageError) -> Fault {
     Fault::invalid(format!("cannot be decoded: {error}"))
 }
 
-/// The image that a texture shows: its WebP one (EXT_texture_webp), else its plain one.
-fn source(texture: &json::Texture) -> Result<usize> {
+/// The image that a texture shows: its WebP one (EXT_texture_webp), else its plain one, else none.
+fn source(texture: &json::Texture) -> Result<Option<usize>> {
     let webp = texture.extensions.as_ref().and_then(|e| e.others.get("EXT_texture_webp"));
     if let Some(webp) = webp {
         let index = webp.get("source").and_then(serde_json::Value::as_u64);
-        return index.map(|i| i as usize).ok_or_else(|| Fault::invalid("EXT_texture_webp: source is missing"));
+        return index.map(|i| Some(i as usize)).ok_or_else(|| Fault::invalid("EXT_texture_webp: source is missing"));
     }
+    let elsewhere = texture.extensions.as_ref().is_some_and(|e| !e.others.is_empty());
     match texture.source.value() {
-        missing if missing == u32::MAX as usize => {
+        // How the gltf crate says that there is none.
+        missing if missing == u32::MAX as usize && elsewhere => {
             Err(Fault::new(Kind::Unsupported, "has no PNG, JPEG or WebP image; re-export with one"))
         }
-        index => Ok(index),
+        missing if missing == u32::MAX as usize => Ok(None),
+        index => Ok(Some(index)),
     }
 }
 
