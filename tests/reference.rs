@@ -5,17 +5,17 @@ use hemicube::image::exr;
 use std::path::Path;
 
 fn reference(arguments: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("hemicube").unwrap().arg("reference").args(arguments).assert()
+    Command::cargo_bin("hemicube").expect("cargo builds the command").arg("reference").args(arguments).assert()
 }
 
 /// The one line on the error output of a run that fails by its input.
 fn fails(arguments: &[&str]) -> String {
     let output = reference(arguments).code(2).get_output().clone();
-    String::from_utf8(output.stderr).unwrap()
+    String::from_utf8(output.stderr).expect("messages are UTF-8")
 }
 
 fn text(path: &Path) -> String {
-    path.to_str().unwrap().to_owned()
+    path.to_str().expect("temporary folders have plain names").to_owned()
 }
 
 #[test]
@@ -45,8 +45,8 @@ fn a_run_goes_on_where_it_stopped() {
         reference(&["-o", out, "--width", "12", "--spp", spp, "--resume", state, "-q"]).success();
         exr::read(Path::new(out)).unwrap()
     };
-    run("8", &out, &state);
-    assert_eq!(run("16", &out, &state), run("16", &file("b.exr"), &file("b.state")));
+    run("16", &out, &state);
+    assert_eq!(run("32", &out, &state), run("32", &file("b.exr"), &file("b.state")));
     let message = fails(&["-o", &out, "--width", "13", "--spp", "16", "--resume", &state]);
     assert!(message.contains("another scene, view"), "{message}");
 }

@@ -29,7 +29,7 @@ pub mod ward;
 pub use cost::{Cost, Meter};
 pub use film::Estimate;
 pub use path::Layers;
-pub use progressive::{OPEN_BATCH, Progressive, Settings, batch_for, irradiance_at};
+pub use progressive::{Progressive, Settings, batch_for, irradiance_at, open_batch};
 pub use run::{Cached, Stop, path_trace, ward};
 pub use state::StateError;
 pub use surface::SurfacePoint;

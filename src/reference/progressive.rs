@@ -9,8 +9,6 @@ use super::view::{Pixel, View};
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Paths a pixel in one batch where no total is given.
-pub const OPEN_BATCH: u32 = 4;
 /// Largest batch: beyond it one sequence's better spread gains little.
 const MAX_BATCH: u32 = 1024;
 /// Fewest batches of a run with a given total: their spread is the standard error.
@@ -30,6 +28,12 @@ pub struct Settings {
 impl Settings {
     /// No limit on reflections; Russian roulette ends paths without bias.
     pub const ALL_BOUNCES: u32 = u32::MAX;
+}
+
+/// Batch size for an image of that many pixels where no total number of paths is given: a batch should pass within
+/// seconds, since runs end between batches.
+pub fn open_batch(pixels: u64) -> u32 {
+    if pixels <= 1 << 18 { 16 } else { 4 }
 }
 
 /// Batch size for a total number of paths a pixel: a power of two.

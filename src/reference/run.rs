@@ -2,7 +2,7 @@
 
 use super::cost::{Cost, Meter};
 use super::picture::picture;
-use super::progressive::{Progressive, Settings, batch_for};
+use super::progressive::{Progressive, Settings, batch_for, open_batch};
 use super::tracer::Tracer;
 use super::view::View;
 use super::ward as cache;
@@ -55,7 +55,8 @@ pub fn path_trace(
     stop: &Stop,
 ) -> (Picture, Cost) {
     let tracer = Tracer::new(scene);
-    let batch = stop.spp.map_or(super::OPEN_BATCH, batch_for);
+    let pixels = u64::from(size.0) * u64::from(size.1);
+    let batch = stop.spp.map_or_else(|| open_batch(pixels), batch_for);
     let mut run = Progressive::new(&tracer, View::new(camera, size.0, size.1), Settings { batch, ..settings });
     let never = |_: &Progressive| Ok::<(), std::convert::Infallible>(());
     match run.run(stop, never) {

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use hemicube::image::tone::Look;
 use hemicube::image::{Picture, exr, png};
 use hemicube::reference::ward::Settings as WardSettings;
-use hemicube::reference::{Cached, Cost, OPEN_BATCH, Progressive, Settings, Stop, batch_for};
+use hemicube::reference::{Cached, Cost, Progressive, Settings, Stop, batch_for, open_batch};
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{self, Background, Camera, Scene};
 use std::path::Path;
@@ -86,7 +86,11 @@ fn load(args: &ReferenceArgs) -> Result<Job> {
 impl Job {
     pub fn path_settings(&self, args: &ReferenceArgs) -> Settings {
         let open = args.relative_error.is_some() || args.time.is_some() || args.resume.is_some();
-        let batch = if open { OPEN_BATCH } else { batch_for(args.spp.unwrap_or(PATH_SPP)) };
+        let batch = if open {
+            open_batch(u64::from(self.size.0) * u64::from(self.size.1))
+        } else {
+            batch_for(args.spp.unwrap_or(PATH_SPP))
+        };
         Settings { bounces: args.bounces, seed: args.seed, batch }
     }
 
