@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 
 /// Irradiance at the origin, on a surface of unit normal `n`, from a polygon of radiance 1 seen from either side.
 ///
-/// Lambert 1760 (as in Baum, Rushmeier, Winget 1989, eq. 5): `½ Σ Θ_i n·Γ_i`; the polygon is clipped at the horizon
+/// Lambert 1760 (as in Baum, Rushmeier, Winget 1989): `½ Σ Θ_i n·Γ_i`; the polygon is clipped at the horizon
 /// first. `corners` are relative to the point that receives.
 pub fn polygon(n: DVec3, corners: &[DVec3]) -> f64 {
     let clipped = clip(n, corners);

@@ -47,7 +47,7 @@ pub fn triangle(u: f64, v: f64) -> (f64, f64) {
 
 /// Weight of a sample of density `p` when another technique would draw it with density `q`, same measure.
 ///
-/// Veach 1997, eq. 9.2.5: the power heuristic with β = 2. An infinite `p` wins.
+/// Veach 1997, chapter 9: the power heuristic with β = 2. An infinite `p` wins.
 pub fn power_heuristic(p: f64, q: f64) -> f64 {
     if p == 0.0 {
         return 0.0;

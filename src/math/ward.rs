@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-/// Ward, Rubinstein, Clear 1988, eq. 5: `1 / (d/R + √(1 − n·n_k))`; a record is used where this exceeds 1/a.
+/// Ward, Rubinstein, Clear 1988: `1 / (d/R + √(1 − n·n_k))`; a record is used where this exceeds 1/a.
 ///
 /// Infinite at the record itself. See [`used`].
 pub fn ward(d: f64, r: f64, cos: f64) -> f64 {
@@ -19,7 +19,7 @@ pub fn used(d: f64, r: f64, cos: f64, a: f64) -> f64 {
     if w > 1.0 / a { w.min(1e9) } else { 0.0 }
 }
 
-/// Tabellion and Lamorlette 2004, eq. 3, with the zone's radius given: `1 − max(d/radius, √((1 − n·n_k)/(1 − cos α)))`.
+/// Tabellion and Lamorlette 2004, with the zone's radius given: `1 − max(d/radius, √((1 − n·n_k)/(1 − cos α)))`.
 ///
 /// Their `clamp(R/2, R⁻, R⁺)/κ` is `radius`; `cos_alpha` is the cosine of the largest angle between the normals (theirs:
 /// 10° at κ = 1). Bounded by 1, and 0 at the border of the zone.
@@ -30,7 +30,7 @@ pub fn bounded(d: f64, radius: f64, cos: f64, cos_alpha: f64) -> f64 {
 
 /// Whether the record stands in front of P, `offset` = P − P_k away: P may then see surfaces that the record does not.
 ///
-/// Ward 1988, section 3.1 (dᵢ < 0), with a tolerance relative to R so that scaling the world changes nothing.
+/// Ward 1988 (dᵢ < 0), with a tolerance relative to R so that scaling the world changes nothing.
 pub fn in_front(offset: DVec3, n: DVec3, n_k: DVec3, r: f64) -> bool {
     const RELATIVE_TOLERANCE: f64 = 0.01;
     offset.dot(n + n_k) * 0.5 < -RELATIVE_TOLERANCE * r

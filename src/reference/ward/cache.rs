@@ -119,7 +119,7 @@ impl Cache {
         (count > 0).then(|| ((sum / weights).max(DVec3::ZERO), count))
     }
 
-    /// First-order extrapolation of a record (Ward and Heckbert 1992, eq. 6).
+    /// First-order extrapolation of a record (Ward and Heckbert 1992).
     fn extrapolate(&self, record: &Record, position: DVec3, normal: DVec3) -> DVec3 {
         let m = &record.measured;
         let mut e = m.irradiance;
@@ -128,7 +128,10 @@ impl Cache {
             e += DVec3::from(m.rotation.map(|g| turn.dot(g)));
         }
         if self.settings.gradients.translation() {
-            let offset = position - record.position;
+            // Where the smallest radius makes a record reach farther than it should, its slope is made gentler by as much
+            // (R / R_min; Křivánek and Gautron 2009): it was not measured for such distances.
+            let gentler = (self.settings.accuracy * record.distance / record.radius).min(1.0);
+            let offset = (position - record.position) * gentler;
             e += DVec3::from(m.translation.map(|g| offset.dot(g)));
         }
         e

@@ -93,7 +93,7 @@ impl Grid {
         gradient
     }
 
-    /// Ward and Heckbert 1992 (Křivánek, Gautron, Bouatouch, Pattanaik 2005, eq. 12, for the cosine): when the point moves,
+    /// Ward and Heckbert 1992 (Křivánek, Gautron, Bouatouch, Pattanaik 2005, for the cosine): when the point moves,
     /// the border between two cells moves over the farther one, at the speed 1 / (distance of the nearer one).
     fn translation(&self, cells: &[Cell]) -> [DVec2; 3] {
         let mut gradient = [DVec2::ZERO; 3];

@@ -1,4 +1,4 @@
-//! Ward's octree (1988, section 3.2): each record stands in a node about as large as its zone of influence.
+//! Ward's octree (1988): each record stands in a node about as large as its zone of influence.
 
 use glam::DVec3;
 
