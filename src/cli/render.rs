@@ -78,8 +78,8 @@ pub struct RenderArgs {
     /// Smallest radius of a record's zone of influence in pixels
     #[arg(long, value_name = "PIXELS", help_heading = "Irradiance cache")]
     min_radius: Option<f32>,
-    /// Largest radius of a record's zone of influence in pixels
-    #[arg(long, value_name = "PIXELS", help_heading = "Irradiance cache")]
+    /// Largest radius of a record's zone of influence as a share of the image's height
+    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
     max_radius: Option<f32>,
     /// Sum of weights from which a pixel counts as covered
     #[arg(long, value_name = "W", help_heading = "Irradiance cache")]
@@ -245,7 +245,7 @@ impl RenderArgs {
             WeightArg::Ward => Weight::Ward,
         };
         set_u32(&mut settings.lights.area_samples, self.light_samples);
-        set_u32(&mut settings.surface_cells, self.surface_cells);
+        settings.surface_cells = self.surface_cells;
         settings.planes = match kind {
             Kind::Exr => Plane::ALL.into_iter().filter(|p| self.layers.contains(layer_name(*p))).collect(),
             Kind::Png => vec![Plane::Final],

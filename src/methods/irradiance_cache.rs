@@ -32,7 +32,7 @@ pub struct CacheSettings {
     pub gradients: Gradients,
     /// Smallest radius of a zone of influence in pixels.
     pub min_radius: f32,
-    /// Largest.
+    /// Largest radius as a share of the image's height; never below the smallest.
     pub max_radius: f32,
     /// Weight of a record at a point.
     pub weight: Weight,
@@ -195,7 +195,7 @@ impl IrradianceCache {
         let limits = Limits {
             accuracy: settings.accuracy,
             min_radius: settings.min_radius,
-            max_radius: settings.max_radius,
+            max_radius: (settings.max_radius * gbuffer.position.desc.size[1] as f32).max(settings.min_radius),
             scene_radius: geometry.radius,
         };
         let captured = (&captures.captured(), settings.capture_size, capacity);

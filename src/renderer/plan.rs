@@ -57,7 +57,8 @@ impl Plan {
         for pass in ["place_records", "capture", "integrate", "splat", "find_uncovered"] {
             plan.part(pass, plan.captures, why);
         }
-        plan.surface_cells = if indirect { settings.surface_cells } else { 1 };
+        plan.surface_cells =
+            if indirect { settings.surface_cells.unwrap_or_else(|| cells(scene, settings)) } else { 1 };
         if plan.captures {
             let few = format!("{} triangles are drawn whole", scene.triangles.len());
             plan.part("cull", scene.triangles.len() > WHOLE_SCENE as usize, few);
@@ -77,6 +78,14 @@ impl Plan {
         }
         runs
     }
+}
+
+/// Cells for a scene: more for more detail, fewer where each is lit by many samples, so that lighting them stays within
+/// about 2²⁶ shadow lookups.
+fn cells(scene: &Scene, settings: &Settings) -> u32 {
+    let samples = scene.lights.len() as u64 + u64::from(settings.lights.area_samples);
+    let affordable = (1_u64 << 26) / samples.max(1);
+    (24 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 21).min(affordable.max(1 << 16)) as u32
 }
 
 struct Facts {

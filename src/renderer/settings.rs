@@ -20,8 +20,9 @@ pub struct Settings {
     pub cache: CacheSettings,
     /// Direct light.
     pub lights: LightSettings,
-    /// Cells that the surfaces are cut into, about; each triangle has at least one.
-    pub surface_cells: u32,
+    /// Cells that the surfaces are cut into, about; each triangle has at least one. `None`: by the scene's detail and
+    /// the number of its lights.
+    pub surface_cells: Option<u32>,
     /// Layers of the result.
     pub planes: Vec<Plane>,
     /// Builds and runs every part, needed or not: what leaving parts out is tested against.
@@ -39,15 +40,15 @@ impl Default for Settings {
                 capture: CaptureMode::Auto,
                 capture_size: 32,
                 gradients: Gradients { rotation: true, translation: true },
-                min_radius: 3.0,
-                max_radius: 100.0,
+                min_radius: 2.5,
+                max_radius: 0.05,
                 weight: Weight::Bounded,
-                covered: 0.1,
+                covered: 0.3,
                 normal_limit: 0.2,
                 seed: 0,
             },
             lights: LightSettings { area_samples: 64, sky_samples: 128, shadow_size: 256 },
-            surface_cells: 1 << 19,
+            surface_cells: None,
             planes: vec![Plane::Final],
             full_plan: false,
         }
@@ -76,13 +77,10 @@ impl Settings {
             return Err(error("--capture-size", self.cache.capture_size, "must be even"));
         }
         range("--light-samples", self.lights.area_samples, 1, 1 << 16)?;
-        range("--surface-cells", self.surface_cells, 1, 1 << 26)?;
+        range("--surface-cells", self.surface_cells.unwrap_or(1), 1, 1 << 26)?;
         positive("--accuracy", self.cache.accuracy, 10.0)?;
         positive("--min-radius", self.cache.min_radius, 1e4)?;
-        positive("--max-radius", self.cache.max_radius, 1e6)?;
-        if self.cache.max_radius < self.cache.min_radius {
-            return Err(error("--max-radius", self.cache.max_radius, "must not be below --min-radius"));
-        }
+        positive("--max-radius", self.cache.max_radius, 1e4)?;
         // Three shader stages address pixels by 32 bits.
         let pixels = u64::from(self.width) * u64::from(self.height);
         let buffer = u64::from(limits.max_storage_buffer_range) / 16;
