@@ -86,10 +86,8 @@ pub fn render(
     let extent = Extent { bounds: geometry.bounds, radius: geometry.radius };
     let sets = light_sets(scene, extent, &settings.lights, plan.sky && plan.captures && settings.bounces > 0)?;
     let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let direct = plan
-        .lights
-        .then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device))
-        .transpose()?;
+    let direct =
+        plan.lights.then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device)).transpose()?;
     let target = Target { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets, direct: direct.as_ref() };
     let lights = build_lights(device, sets, &target, plan.captures && settings.bounces > 0)?;
     // What it reflects.

@@ -54,7 +54,12 @@ fn devices() -> Result<()> {
     for (index, physical) in instance.physical_devices()?.into_iter().enumerate() {
         let version = physical.api_version;
         let (major, minor) = (ash::vk::api_version_major(version), ash::vk::api_version_minor(version));
-        println!("{index}  {} ({:?}, Vulkan {major}.{minor}, {})", physical.name, physical.kind, physical.driver.trim());
+        println!(
+            "{index}  {} ({:?}, Vulkan {major}.{minor}, {})",
+            physical.name,
+            physical.kind,
+            physical.driver.trim()
+        );
         match Device::new(instance.clone(), &DeviceChoice::Named(index.to_string())) {
             Err(error) => println!("   cannot be used: {error}"),
             Ok(device) => describe_device(&device),

@@ -37,7 +37,12 @@ pub struct RenderArgs {
     image: ImageArgs,
     /// Layers of the EXR besides R,G,B: direct, indirect, irradiance, irradiance_direct, albedo, emission, N, P, Z,
     /// records, mask, or all
-    #[arg(long, value_name = "LIST|all", default_value = "direct,indirect,irradiance,albedo,N,P,Z", help_heading = "Image")]
+    #[arg(
+        long,
+        value_name = "LIST|all",
+        default_value = "direct,indirect,irradiance,albedo,N,P,Z",
+        help_heading = "Image"
+    )]
     layers: LayerSet,
     /// Exposure of a PNG in stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, help_heading = "Image")]
@@ -200,7 +205,8 @@ impl Kind {
 impl RenderArgs {
     fn settings(&self, camera: &Camera, kind: Kind) -> Settings {
         let (width, height) = image_size(camera, self.image.width, self.image.height);
-        let mut settings = Settings { width, height, bounces: self.bounces, full_plan: self.full_plan, ..Settings::default() };
+        let mut settings =
+            Settings { width, height, bounces: self.bounces, full_plan: self.full_plan, ..Settings::default() };
         let set = |to: &mut f32, from: Option<f32>| *to = from.unwrap_or(*to);
         let set_u32 = |to: &mut u32, from: Option<u32>| *to = from.unwrap_or(*to);
         let cache = &mut settings.cache;

@@ -109,7 +109,13 @@ fn texel(face: u32, x: u32, y: u32, size: u32) -> Texel {
     let pitch = 2.0 / f64::from(size);
     let (left, top) = (f64::from(x) * pitch - 1.0, 1.0 - f64::from(y) * pitch);
     let centre = face_direction(face, DVec2::new(left + pitch / 2.0, top - pitch / 2.0));
-    let corner = |i: usize| face_direction(face, [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)].map(|(u, v)| DVec2::new(left + u * pitch, top - v * pitch))[i]);
+    let corner = |i: usize| {
+        face_direction(
+            face,
+            [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)]
+                .map(|(u, v)| DVec2::new(left + u * pitch, top - v * pitch))[i],
+        )
+    };
     let polygon = [corner(0), corner(1), corner(2), corner(3)].map(DVec3::normalize);
     Texel {
         face,
@@ -212,7 +218,10 @@ mod tests {
             assert!((weight - PI).abs() < 1e-12, "{size}: {weight}");
             // Each texel but those at the rim has four edges.
             let n = size as usize;
-            assert_eq!(cube.edges.len(), 2 * n * (n - 1) + 4 * (n * (n / 2 - 1) + (n - 1) * (n / 2)) + 4 * n + 4 * (n / 2));
+            assert_eq!(
+                cube.edges.len(),
+                2 * n * (n - 1) + 4 * (n * (n / 2 - 1) + (n - 1) * (n / 2)) + 4 * n + 4 * (n / 2)
+            );
         }
     }
 

@@ -69,8 +69,7 @@ impl DirectLight {
         let bytes = u64::from(shadow.desc.capacity) * size_of::<LightSample>() as u64;
         let lights = Buffer::new(device, "light samples", bytes, Memory::Device)?;
         let kind = (set.kind, &shadow);
-        let surface =
-            cells.then(|| SurfaceLight::new(device, scene, geometry, textures, kind, &lights)).transpose()?;
+        let surface = cells.then(|| SurfaceLight::new(device, scene, geometry, textures, kind, &lights)).transpose()?;
         let pixel = direct
             .filter(|_| !set.cells_only)
             .map(|direct| PixelLight::new(device, gbuffer, kind, &lights, direct))

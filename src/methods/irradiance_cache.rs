@@ -1,7 +1,7 @@
 //! Irradiance-cache splatting (Gautron, Křivánek, Bouatouch and Pattanaik 2005; S0): records in rounds, from coarse to
 //! fine, until every visible pixel is covered.
 
-use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull, Views};
+use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::find_uncovered::{FindUncovered, Lattice};
 use crate::passes::gbuffer::Targets;
 use crate::passes::geometry::Geometry;

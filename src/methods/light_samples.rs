@@ -154,7 +154,8 @@ fn add_punctual(light: &Light, extent: Extent, sets: &mut [LightSet]) {
             }
         }
         Light::Point { position, intensity } => {
-            let sample = LightSample { position: with(position, 0.0), power: with(intensity, 0.0), ..Default::default() };
+            let sample =
+                LightSample { position: with(position, 0.0), power: with(intensity, 0.0), ..Default::default() };
             sets[1].push(frame(position, Vec3::Z, near, 1.0), sample);
         }
         Light::Spot { position, direction, intensity, cos_inner, cos_outer } => {
@@ -217,7 +218,8 @@ fn brightness(v: Vec3) -> f32 {
 /// within each triangle by the R2 sequence.
 fn add_emitters(scene: &Scene, extent: Extent, count: u32, set: &mut LightSet) {
     let sides = |e: &crate::scene::Emitter| if e.double_sided { 2 } else { 1 };
-    let faces: Vec<_> = scene.emitters().into_iter().flat_map(|e| (0..sides(&e)).map(move |side| (e, side == 1))).collect();
+    let faces: Vec<_> =
+        scene.emitters().into_iter().flat_map(|e| (0..sides(&e)).map(move |side| (e, side == 1))).collect();
     let powers: Vec<f64> = faces.iter().map(|(e, _)| f64::from(brightness(e.radiance) * e.area)).collect();
     let total: f64 = powers.iter().sum();
     if total <= 0.0 {
@@ -270,9 +272,8 @@ fn add_sky_map(map: &EnvironmentMap, extent: Extent, count: u32, set: &mut Light
         let pi = std::f64::consts::PI;
         ((top * pi).cos() - (bottom * pi).cos()) * 2.0 * pi / f64::from(map.width)
     };
-    let power = |index: usize| {
-        f64::from(brightness(Vec3::from(map.rgb[index]))) * solid_angle(index as u32 / map.width)
-    };
+    let power =
+        |index: usize| f64::from(brightness(Vec3::from(map.rgb[index]))) * solid_angle(index as u32 / map.width);
     let total: f64 = (0..map.rgb.len()).map(power).sum();
     if total <= 0.0 {
         return;

@@ -127,8 +127,10 @@ impl Capture {
         let frames_set = DescriptorSet::new(&frames_layout, &[Binding::Storage(&frames)])?;
         let cull = culled.then(|| Cull::new(device, geometry, &frames, desc.views, desc.capacity)).transpose()?;
         let has_masked = geometry.ranges.iter().any(|r| r.masked.is_some());
-        let corners = || Buffer::with_data(device, "corner indices", &(0..geometry.triangle_count * 3).collect::<Vec<_>>());
-        let build = PipelineBuilder { device, scene, geometry, textures, desc: &desc, pass: &pass, frames: &frames_layout };
+        let corners =
+            || Buffer::with_data(device, "corner indices", &(0..geometry.triangle_count * 3).collect::<Vec<_>>());
+        let build =
+            PipelineBuilder { device, scene, geometry, textures, desc: &desc, pass: &pass, frames: &frames_layout };
         let ranges =
             geometry.ranges.iter().map(|range| build.range(range, view_masks.len() as u32)).collect::<Result<_>>()?;
         Ok(Self {
@@ -225,11 +227,7 @@ fn view_masks(device: &Device, desc: &CaptureDesc) -> Vec<u32> {
 }
 
 /// Cuts the capacity to the device's image size, then makes rows of tiles.
-fn layout_tiles(
-    device: &Device,
-    geometry: &Geometry,
-    mut desc: CaptureDesc,
-) -> Result<(CaptureDesc, u32, [u32; 2])> {
+fn layout_tiles(device: &Device, geometry: &Geometry, mut desc: CaptureDesc) -> Result<(CaptureDesc, u32, [u32; 2])> {
     const DRAW_BUDGET: u64 = 64 << 20;
     let limits = &device.capabilities.limits;
     let widest = limits.max_image_dimension2_d.min(limits.max_framebuffer_width).min(limits.max_framebuffer_height);
@@ -254,7 +252,10 @@ fn layout_tiles(
 fn targets(device: &Arc<Device>, desc: &CaptureDesc, size: [u32; 2]) -> Result<(Option<Image>, Image)> {
     let image = |format, usage| {
         let layers = Some(desc.views.count());
-        Image::new(device, ImageDesc { used_for: desc.name, format, size, layers, usage: usage | vk::ImageUsageFlags::SAMPLED })
+        Image::new(
+            device,
+            ImageDesc { used_for: desc.name, format, size, layers, usage: usage | vk::ImageUsageFlags::SAMPLED },
+        )
     };
     let identity =
         desc.identity.then(|| image(vk::Format::R32_UINT, vk::ImageUsageFlags::COLOR_ATTACHMENT)).transpose()?;
@@ -303,7 +304,9 @@ impl PipelineBuilder<'_> {
             (true, true) => (spirv!("capture", "capture.vert"), Some(spirv!("capture", "identity.frag"))),
             (true, false) => (spirv!("capture", "capture_flat.vert"), Some(spirv!("capture", "identity_flat.frag"))),
         };
-        self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::Positions, |rest| Specialisation(rest.to_vec()))
+        self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::Positions, |rest| {
+            Specialisation(rest.to_vec())
+        })
     }
 
     fn masked(&self, material: u32, subpasses: u32) -> Result<(Vec<GraphicsPipeline>, bool)> {

@@ -43,7 +43,13 @@ impl Cull {
     }
 
     /// Culls for up to `capacity` of `frames`.
-    pub fn new(device: &Arc<Device>, geometry: &Geometry, frames: &Buffer, views: Views, capacity: u32) -> Result<Self> {
+    pub fn new(
+        device: &Arc<Device>,
+        geometry: &Geometry,
+        frames: &Buffer,
+        views: Views,
+        capacity: u32,
+    ) -> Result<Self> {
         let ranges: Vec<[u32; 4]> = geometry
             .ranges
             .iter()

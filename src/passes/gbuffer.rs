@@ -64,21 +64,20 @@ impl GBuffer {
             vk::Format::R32G32B32A32_SFLOAT,
         ];
         let colors = if emission { 4 } else { 3 };
-        let mut attachments: Vec<_> =
-            formats[..colors].iter().map(|format| Attachment { format: *format, load: Load::Clear, store: true }).collect();
+        let mut attachments: Vec<_> = formats[..colors]
+            .iter()
+            .map(|format| Attachment { format: *format, load: Load::Clear, store: true })
+            .collect();
         attachments.push(Attachment { format: vk::Format::D32_SFLOAT, load: Load::Clear, store: false });
-        let pass = RenderPass::new(
-            device,
-            &RenderPassDesc { name: "gbuffer", attachments: &attachments, view_masks: &[0] },
-        )?;
+        let pass =
+            RenderPass::new(device, &RenderPassDesc { name: "gbuffer", attachments: &attachments, view_masks: &[0] })?;
         let targets = Targets::new(device, &formats, size, emission)?;
         let framebuffer = Framebuffer::new(&pass, &targets.in_order())?;
 
         let push = size_of::<Push>() as u32;
         let plain = PipelineLayout::new(device, &[&geometry.set_layout], push)?;
-        let textured = textures
-            .map(|t| PipelineLayout::new(device, &[&geometry.set_layout, &t.layout], push))
-            .transpose()?;
+        let textured =
+            textures.map(|t| PipelineLayout::new(device, &[&geometry.set_layout, &t.layout], push)).transpose()?;
         let mut this = Self { targets, framebuffer, pass, pipelines: HashMap::new(), plain, textured };
         for part in &geometry.parts {
             let variant = Variant::of(&scene.materials[part.material as usize]);

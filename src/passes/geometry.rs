@@ -48,7 +48,7 @@ pub struct Geometry {
     pub part_cells: Vec<u32>,
     /// Streams it has.
     pub streams: Streams,
-    /// Half the diagonal of the bounding box.
+    /// Half the diagonal of the bounding box; 1 where there are no triangles.
     pub radius: f32,
     /// Lowest and highest corner of the bounding box.
     pub bounds: [Vec3; 2],
@@ -123,7 +123,7 @@ impl Geometry {
             cell_count,
             part_cells,
             streams,
-            radius: (bounds[1] - bounds[0]).length() * 0.5,
+            radius: if triangles.is_empty() { 1.0 } else { (bounds[1] - bounds[0]).length() * 0.5 },
             bounds,
             set,
             set_layout,
@@ -191,7 +191,8 @@ fn as_usize(range: &Range<u32>) -> Range<usize> {
 }
 
 fn bounds(points: &[Vec3]) -> [Vec3; 2] {
-    points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)])
+    let whole = points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)]);
+    if points.is_empty() { [Vec3::ZERO; 2] } else { whole }
 }
 
 fn along_morton_curve(scene: &Scene, triangles: &[[u32; 3]], bounds: [Vec3; 2]) -> Vec<[u32; 3]> {

@@ -92,9 +92,8 @@ impl Integrate {
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&scene_layout, &layout], size_of::<Push>() as u32)?;
-        let constants = Specialisation(
-            [sky.is_some(), gradients.rotation, gradients.translation].map(u32::from).to_vec(),
-        );
+        let constants =
+            Specialisation([sky.is_some(), gradients.rotation, gradients.translation].map(u32::from).to_vec());
         let code = spirv!("integrate", "integrate.comp");
         let pipeline = ComputePipeline::new("integrate", &pipeline_layout, code, &constants)?;
         let push = Push {
@@ -104,7 +103,14 @@ impl Integrate {
             columns: capture.columns,
             limits,
         };
-        Ok(Self { pipeline, set, scene_set, push, _buffers: [texels, edges, gathered], _layouts: [scene_layout, layout] })
+        Ok(Self {
+            pipeline,
+            set,
+            scene_set,
+            push,
+            _buffers: [texels, edges, gathered],
+            _layouts: [scene_layout, layout],
+        })
     }
 
     /// Integrates the first `count` captures.
@@ -120,12 +126,7 @@ fn gpu_texels(table: &Hemicube) -> Vec<Texel> {
         let d = t.direction.as_vec3();
         Texel {
             direction: [d.x, d.y, d.z, t.weight as f32],
-            place: [
-                t.face << 16 | t.y << 8 | t.x,
-                (t.solid_angle as f32).to_bits(),
-                (t.forward as f32).to_bits(),
-                0,
-            ],
+            place: [t.face << 16 | t.y << 8 | t.x, (t.solid_angle as f32).to_bits(), (t.forward as f32).to_bits(), 0],
         }
     };
     table.texels.iter().map(texel).collect()

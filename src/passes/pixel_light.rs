@@ -48,8 +48,7 @@ impl PixelLight {
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let constants =
-            Specialisation(vec![kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns]);
+        let constants = Specialisation(vec![kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns]);
         let code = spirv!("pixel_light", "pixel_light.comp");
         let pipeline = ComputePipeline::new("pixel_light", &pipeline_layout, code, &constants)?;
         Ok(Self { pipeline, set, size: gbuffer.position.desc.size, _layout: layout })

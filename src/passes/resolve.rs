@@ -130,7 +130,8 @@ impl Resolve {
         let constants =
             features.iter().map(|f| u32::from(*f)).chain(Plane::ALL[6..].iter().map(|p| first(planes, *p) as u32));
         let constants = Specialisation(constants.collect());
-        let pipeline = ComputePipeline::new("resolve", &pipeline_layout, spirv!("resolve", "resolve.comp"), &constants)?;
+        let pipeline =
+            ComputePipeline::new("resolve", &pipeline_layout, spirv!("resolve", "resolve.comp"), &constants)?;
         Ok(Self {
             pipeline,
             set,

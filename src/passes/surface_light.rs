@@ -73,9 +73,7 @@ impl SurfaceLight {
                 continue;
             }
             let (sets, code) = match textures.filter(|_| variant.is_textured()) {
-                Some(t) => {
-                    (vec![&geometry.set_layout, &t.layout, &layout], spirv!("surface_light", "textured.comp"))
-                }
+                Some(t) => (vec![&geometry.set_layout, &t.layout, &layout], spirv!("surface_light", "textured.comp")),
                 None => (vec![&geometry.set_layout, &layout], spirv!("surface_light", "plain.comp")),
             };
             let pipeline_layout = PipelineLayout::new(device, &sets, push)?;

@@ -95,9 +95,8 @@ impl Facts {
         let light = |is: fn(&Light) -> bool| scene.lights.iter().any(is);
         Self {
             emits: used().any(|m| m.emission != Vec3::ZERO),
-            textured: used().any(|m| {
-                m.base_texture.is_some() || m.normal_texture.is_some() || m.emission_texture.is_some()
-            }),
+            textured: used()
+                .any(|m| m.base_texture.is_some() || m.normal_texture.is_some() || m.emission_texture.is_some()),
             masked: used().any(|m| m.alpha_cutoff.is_some()),
             sky: match &scene.background {
                 Background::Black => false,

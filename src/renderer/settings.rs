@@ -94,11 +94,19 @@ impl Settings {
 }
 
 fn range(name: &'static str, value: u32, low: u32, high: u32) -> Result<(), SettingsError> {
-    if (low..=high).contains(&value) { Ok(()) } else { Err(error(name, value, format!("must be from {low} to {high}"))) }
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(error(name, value, format!("must be from {low} to {high}")))
+    }
 }
 
 fn positive(name: &'static str, value: f32, high: f32) -> Result<(), SettingsError> {
-    if value > 0.0 && value <= high { Ok(()) } else { Err(error(name, value, format!("must be above 0, at most {high}"))) }
+    if value > 0.0 && value <= high {
+        Ok(())
+    } else {
+        Err(error(name, value, format!("must be above 0, at most {high}")))
+    }
 }
 
 fn error(name: &'static str, found: impl ToString, rule: impl Into<String>) -> SettingsError {

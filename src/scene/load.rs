@@ -29,7 +29,8 @@
 //! | base colour and vertex colour outside [0, 1] | clamped |
 //! | a node with both `matrix` and translation, rotation or scale | the matrix counts |
 //! | a vertex count that is no multiple of three | the rest is left out |
-//! | triangles without area | left out |
+//! | triangles without area | left out, even if that is all of them |
+//! | a buffer without URI in a .gltf, up to 64 KiB | zeros |
 //! | GLB: more chunks, bytes after the end, lengths that are no multiple of four | the first chunk of each kind counts |
 //! | textures that name no image | left out |
 //! | images whose `mimeType` or extension lies | told by their bytes |
@@ -101,7 +102,7 @@ fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, limits: Limits) -> Result<Sc
     let document = Document::parse(container.json)?;
     let mut notes = Notes::default();
     extensions::check(&document, &mut notes)?;
-    let buffers = Buffers::new(&document, container.bin, resolve);
+    let buffers = Buffers::new(&document, &container, resolve);
     let placed = nodes::flatten(&document)?;
     let meshes = read_meshes(&document, &buffers, &placed, limits, &mut notes)?;
     let drawn = Drawn { document: &document, buffers: &buffers, placed: &placed, meshes: &meshes };
@@ -240,10 +241,10 @@ impl<'a> Drawn<'a, '_> {
             assemble::append(&mut scene, draw, needs, notes).within(|| self.label(draw))?;
         }
         drop_unused_materials(&mut scene);
-        if scene.triangles.is_empty() {
-            let what = if draws.is_empty() { "" } else { " that have area" };
-            return Err(Fault::new(Kind::Empty, what));
+        if draws.is_empty() {
+            return Err(Fault::new(Kind::Empty, ""));
         }
+        notes.add_if("none of the triangles has an area: nothing is seen", scene.triangles.is_empty());
         Ok(scene)
     }
 

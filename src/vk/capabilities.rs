@@ -97,8 +97,8 @@ impl Capabilities {
         // SAFETY: the handle comes from this instance.
         let memory = unsafe { instance.raw.get_physical_device_memory_properties(device.raw) };
         // SAFETY: as above.
-        let family = unsafe { instance.raw.get_physical_device_queue_family_properties(device.raw) }
-            [queue_family as usize];
+        let family =
+            unsafe { instance.raw.get_physical_device_queue_family_properties(device.raw) }[queue_family as usize];
         Ok(Self {
             limits,
             max_views: properties_1_1.0,
@@ -121,8 +121,11 @@ impl Capabilities {
     }
 }
 
-type Features =
-    (vk::PhysicalDeviceFeatures, vk::PhysicalDeviceVulkan11Features<'static>, vk::PhysicalDeviceVulkan12Features<'static>);
+type Features = (
+    vk::PhysicalDeviceFeatures,
+    vk::PhysicalDeviceVulkan11Features<'static>,
+    vk::PhysicalDeviceVulkan12Features<'static>,
+);
 
 fn features(instance: &Instance, device: vk::PhysicalDevice) -> Features {
     let mut v11 = vk::PhysicalDeviceVulkan11Features::default();

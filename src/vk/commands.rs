@@ -36,8 +36,7 @@ impl Commands {
         // SAFETY: recording was begun; fence and command buffer outlive the wait.
         unsafe {
             device.end_command_buffer(self.raw).during("ending a command buffer")?;
-            let fence =
-                device.create_fence(&vk::FenceCreateInfo::default(), None).during("creating a fence")?;
+            let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).during("creating a fence")?;
             let buffers = [self.raw];
             let submit = [vk::SubmitInfo::default().command_buffers(&buffers)];
             let done = device

@@ -47,9 +47,7 @@ impl SetLayout {
                     .descriptor_type(*kind)
                     .descriptor_count(1)
                     .stage_flags(
-                        vk::ShaderStageFlags::VERTEX
-                            | vk::ShaderStageFlags::FRAGMENT
-                            | vk::ShaderStageFlags::COMPUTE,
+                        vk::ShaderStageFlags::VERTEX | vk::ShaderStageFlags::FRAGMENT | vk::ShaderStageFlags::COMPUTE,
                     )
             })
             .collect();
@@ -103,7 +101,8 @@ impl DescriptorSet {
     fn write(&self, index: u32, binding: &Binding<'_>) {
         let mut buffers = [vk::DescriptorBufferInfo::default().range(vk::WHOLE_SIZE)];
         let mut images = [vk::DescriptorImageInfo::default()];
-        let write = vk::WriteDescriptorSet::default().dst_set(self.raw).dst_binding(index).descriptor_type(binding.kind());
+        let write =
+            vk::WriteDescriptorSet::default().dst_set(self.raw).dst_binding(index).descriptor_type(binding.kind());
         let write = match binding {
             Binding::Storage(buffer) => {
                 buffers[0].buffer = buffer.raw;

@@ -138,7 +138,12 @@ impl Device {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        let left = lock(&self.memory).now_by_use.iter().filter(|(_, bytes)| **bytes > 0).map(|(name, _)| *name).collect::<Vec<_>>();
+        let left = lock(&self.memory)
+            .now_by_use
+            .iter()
+            .filter(|(_, bytes)| **bytes > 0)
+            .map(|(name, _)| *name)
+            .collect::<Vec<_>>();
         debug_assert!(left.is_empty(), "device resources leaked: {left:?}");
         // SAFETY: all that was made from the device held an Arc of it, so it is gone and the queue is idle.
         unsafe {
@@ -170,7 +175,12 @@ fn choose(devices: Vec<PhysicalDevice>, choice: &DeviceChoice) -> Result<Physica
             DeviceChoice::Named(wanted) => wanted.clone(),
             DeviceChoice::Best => String::new(),
         },
-        available: devices.iter().enumerate().map(|(i, d)| format!("{i} \"{}\"", d.name)).collect::<Vec<_>>().join(", "),
+        available: devices
+            .iter()
+            .enumerate()
+            .map(|(i, d)| format!("{i} \"{}\"", d.name))
+            .collect::<Vec<_>>()
+            .join(", "),
     })
 }
 

@@ -4,7 +4,7 @@ use super::barrier;
 use super::commands::Commands;
 use super::device::Device;
 use super::error::Result;
-use super::timer::{Timer, Span};
+use super::timer::{Span, Timer};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -72,9 +72,7 @@ impl Recorder {
             self.submissions.push(Span { begin_ms: *begin_ms, end_ms: *end_ms });
         }
         for (index, (name, cpu)) in self.open.drain(..).enumerate() {
-            let gpu = stamps
-                .get(1 + 2 * index..3 + 2 * index)
-                .map(|pair| Span { begin_ms: pair[0], end_ms: pair[1] });
+            let gpu = stamps.get(1 + 2 * index..3 + 2 * index).map(|pair| Span { begin_ms: pair[0], end_ms: pair[1] });
             self.passes.push(PassTime { name, gpu, cpu });
         }
         Ok(())

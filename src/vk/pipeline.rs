@@ -28,9 +28,11 @@ impl PipelineLayout {
     pub fn new(device: &Arc<Device>, sets: &[&SetLayout], push_bytes: u32) -> Result<Arc<Self>> {
         let sets: Vec<_> = sets.iter().map(|set| set.raw).collect();
         let ranges = [vk::PushConstantRange { stage_flags: ALL_STAGES, offset: 0, size: push_bytes }];
-        let info = vk::PipelineLayoutCreateInfo::default()
-            .set_layouts(&sets)
-            .push_constant_ranges(if push_bytes > 0 { &ranges } else { &[] });
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(if push_bytes > 0 {
+            &ranges
+        } else {
+            &[]
+        });
         // SAFETY: the set layouts are alive.
         let raw = unsafe { device.raw.create_pipeline_layout(&info, None) }.during("creating a pipeline layout")?;
         Ok(Arc::new(Self { raw, device: device.clone() }))
@@ -144,12 +146,7 @@ pub struct GraphicsPipeline {
 
 impl GraphicsPipeline {
     /// Makes a pipeline for one subpass of `pass`.
-    pub fn new(
-        layout: &Arc<PipelineLayout>,
-        pass: &RenderPass,
-        subpass: u32,
-        desc: &GraphicsDesc<'_>,
-    ) -> Result<Self> {
+    pub fn new(layout: &Arc<PipelineLayout>, pass: &RenderPass, subpass: u32, desc: &GraphicsDesc<'_>) -> Result<Self> {
         let device = &layout.device;
         let vertex = ShaderModule::new(device, desc.vertex)?;
         let fragment = desc.fragment.map(|spirv| ShaderModule::new(device, spirv)).transpose()?;
@@ -166,7 +163,8 @@ impl GraphicsPipeline {
         let stages: Vec<_> = std::iter::once(stage(vk::ShaderStageFlags::VERTEX, &vertex))
             .chain(fragment.iter().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module)))
             .collect();
-        let stride = [vk::VertexInputBindingDescription { binding: 0, stride: 12, input_rate: vk::VertexInputRate::VERTEX }];
+        let stride =
+            [vk::VertexInputBindingDescription { binding: 0, stride: 12, input_rate: vk::VertexInputRate::VERTEX }];
         let position = [vk::VertexInputAttributeDescription {
             location: 0,
             binding: 0,
@@ -265,7 +263,13 @@ impl GraphicsPipeline {
         unsafe {
             if has_count {
                 device.cmd_draw_indexed_indirect_count(
-                    commands.raw, draws.raw, offset, counts.raw, count_offset, max_draws, stride,
+                    commands.raw,
+                    draws.raw,
+                    offset,
+                    counts.raw,
+                    count_offset,
+                    max_draws,
+                    stride,
                 );
             } else {
                 device.cmd_draw_indexed_indirect(commands.raw, draws.raw, offset, max_draws, stride);
@@ -279,7 +283,11 @@ fn blend(additive: bool) -> vk::PipelineColorBlendAttachmentState {
         .color_write_mask(vk::ColorComponentFlags::RGBA)
         .blend_enable(additive);
     let one = vk::BlendFactor::ONE;
-    state.src_color_blend_factor(one).dst_color_blend_factor(one).src_alpha_blend_factor(one).dst_alpha_blend_factor(one)
+    state
+        .src_color_blend_factor(one)
+        .dst_color_blend_factor(one)
+        .src_alpha_blend_factor(one)
+        .dst_alpha_blend_factor(one)
 }
 
 impl Drop for GraphicsPipeline {

@@ -44,12 +44,7 @@ impl Timer {
         // SAFETY: outside a render pass; the query lies in the pool and outlives the submission.
         unsafe {
             device.cmd_reset_query_pool(commands.raw, self.pools[pool], query, 1);
-            device.cmd_write_timestamp(
-                commands.raw,
-                vk::PipelineStageFlags::BOTTOM_OF_PIPE,
-                self.pools[pool],
-                query,
-            );
+            device.cmd_write_timestamp(commands.raw, vk::PipelineStageFlags::BOTTOM_OF_PIPE, self.pools[pool], query);
         }
         self.used += 1;
         Ok(self.used - 1)

@@ -1,11 +1,14 @@
 //! Buffers and buffer views, read when first used.
 
-use super::container::{Resolver, fetch};
+use super::container::{Container, Resolver, fetch};
 use super::document::{Document, item};
 use super::error::{Fault, Result, Within, label};
 use super::{compressed, views};
 use std::borrow::Cow;
 use std::cell::{Cell, OnceCell};
+
+/// Largest buffer without URI that is read as zeros.
+const NAMELESS: u64 = 1 << 16;
 
 /// Bytes of a view and the distance between its elements, where it states one.
 #[derive(Clone, Copy)]
@@ -19,6 +22,7 @@ pub struct ViewBytes<'a> {
 pub struct Buffers<'a> {
     document: &'a Document,
     bin: Option<&'a [u8]>,
+    is_glb: bool,
     resolve: &'a Resolver<'a>,
     buffers: Vec<OnceCell<Result<Cow<'a, [u8]>>>>,
     decoded: Vec<OnceCell<Result<compressed::Decoded>>>,
@@ -27,10 +31,18 @@ pub struct Buffers<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    pub fn new(document: &'a Document, bin: Option<&'a [u8]>, resolve: &'a Resolver<'a>) -> Self {
+    pub fn new(document: &'a Document, container: &Container<'a>, resolve: &'a Resolver<'a>) -> Self {
         let buffers = document.buffers.iter().map(|_| OnceCell::new()).collect();
         let decoded = document.views.iter().map(|_| OnceCell::new()).collect();
-        Self { document, bin, resolve, buffers, decoded, fetched: Cell::new(0) }
+        Self {
+            document,
+            bin: container.bin,
+            is_glb: container.is_glb,
+            resolve,
+            buffers,
+            decoded,
+            fetched: Cell::new(0),
+        }
     }
 
     /// Bytes fetched so far: the size of the input that a scene may be in proportion to.
@@ -67,6 +79,10 @@ impl<'a> Buffers<'a> {
             let bytes = match (&buffer.uri, self.bin) {
                 (Some(uri), _) => Cow::Owned(self.fetch(uri)?),
                 (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
+                // Legal, and its content is nobody's: zeros. A large one is a file that lost its data.
+                (None, _) if !self.is_glb && buffer.byte_length.0 <= NAMELESS => {
+                    Cow::Owned(vec![0; buffer.byte_length.0 as usize])
+                }
                 (None, _) => return Err(Fault::invalid("has no URI, and the file has no binary chunk for it")),
             };
             if (bytes.len() as u64) < buffer.byte_length.0 {

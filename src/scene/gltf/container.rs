@@ -15,6 +15,7 @@ const CHUNK_BIN: u32 = 0x004E_4942;
 pub struct Container<'a> {
     pub json: &'a [u8],
     pub bin: Option<&'a [u8]>,
+    pub is_glb: bool,
 }
 
 /// Splits a .glb into its chunks; a .gltf is its own JSON.
@@ -23,7 +24,7 @@ pub fn open(bytes: &[u8]) -> Result<Container<'_>> {
         return open_glb(bytes);
     }
     match bytes.iter().find(|b| !b.is_ascii_whitespace()) {
-        Some(b'{') => Ok(Container { json: bytes, bin: None }),
+        Some(b'{') => Ok(Container { json: bytes, bin: None, is_glb: false }),
         Some(_) => Err(Fault::new(Kind::NotGltf, "it starts neither like JSON nor like a .glb")),
         None => Err(Fault::new(Kind::NotGltf, "it is empty")),
     }
@@ -61,7 +62,7 @@ fn open_glb(bytes: &[u8]) -> Result<Container<'_>> {
         }
         at = start + (size as usize).next_multiple_of(4);
     }
-    json.map(|json| Container { json, bin }).ok_or_else(|| bad("the GLB holds no JSON chunk".into()))
+    json.map(|json| Container { json, bin, is_glb: true }).ok_or_else(|| bad("the GLB holds no JSON chunk".into()))
 }
 
 /// The bytes that `uri` names: a data: URI's own, or a file's through `resolve`.
