@@ -59,7 +59,13 @@ fn parts_left_out_change_no_pixel() {
         let full = draw(scene, camera, &Settings { full_plan: true, ..settings.clone() });
         let planned = draw(scene, camera, &settings);
         assert!(full.plan.left_out.len() < planned.plan.left_out.len(), "{what}: the full plan leaves less out");
-        assert_same_bits(&planned.picture, &full.picture, what);
+        let (mut planned_picture, mut full_picture) = (planned.picture, full.picture);
+        if full.plan.captures != planned.plan.captures {
+            // Counts the work done, not light.
+            planned_picture.channels.remove("records.Y");
+            full_picture.channels.remove("records.Y");
+        }
+        assert_same_bits(&planned_picture, &full_picture, what);
     };
     let scene = cornell();
     compare("Cornell box", &scene, &scene.cameras[0], small(96));

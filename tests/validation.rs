@@ -4,7 +4,7 @@ mod common;
 
 use common::build::{diffuse, emitter};
 use common::{Builder, check_complete, draw, look, small};
-use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
+use glam::{DVec3, Mat3, Vec3, Vec4, dvec3, vec3};
 use hemicube::renderer::Settings;
 use hemicube::scene::{Background, EnvironmentMap, Light, Material, TextureRef, cornell};
 use hemicube::vk::{Buffer, Commands, Device, DeviceChoice, Instance, Memory, barrier};
@@ -49,9 +49,11 @@ fn textures_masks_and_normal_maps() {
     let map = |texture| Some(TextureRef { texture, set: 0, transform: Mat3::IDENTITY });
     let wall = b.material(Material { base_texture: map(colour), normal_texture: map(bumps), ..diffuse(0.9) });
     let grid = b.material(Material { base_texture: map(cut), alpha_cutoff: Some(0.5), ..diffuse(0.6) });
+    let shade = b.material(Material { base_color: Vec4::new(0.5, 0.5, 0.5, 0.4), alpha_cutoff: Some(0.5), ..diffuse(0.5) });
     let lamp = b.material(Material { emission_texture: map(glow), ..emitter(vec3(9.0, 8.0, 7.0)) });
     b.cuboid(wall, Vec3::splat(-1.0), Vec3::splat(1.0), common::build::Facing::In);
     b.floor(grid, 0.3, 0.7);
+    b.floor(shade, 0.6, 0.5);
     b.ceiling(lamp, 0.98, 0.4);
     let camera = look(dvec3(0.9, 0.6, 0.9), dvec3(0.0, -0.2, 0.0), 70.0);
     check_complete(&draw(&b.build(), &camera, &small(64)));

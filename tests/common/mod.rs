@@ -130,11 +130,15 @@ pub fn bits(picture: &Picture) -> Vec<(&str, Vec<u32>)> {
 pub fn assert_same_bits(a: &Picture, b: &Picture, what: &str) {
     assert_eq!((a.width, a.height), (b.width, b.height));
     assert!(a.channels.keys().eq(b.channels.keys()), "{what}: other layers");
+    let mut wrong = Vec::new();
     for ((name, a), (_, b)) in a.channels.iter().zip(&b.channels) {
         let differ = a.iter().zip(b).filter(|(a, b)| a.to_bits() != b.to_bits());
         let (count, largest) = differ.fold((0, 0.0f32), |(n, x), (a, b)| (n + 1, x.max((a - b).abs())));
-        assert_eq!(count, 0, "{what}: {count} pixels of {name} differ, by {largest} at most");
+        if count > 0 {
+            wrong.push(format!("{count} pixels of {name} differ, by {largest} at most"));
+        }
     }
+    assert!(wrong.is_empty(), "{what}: {}", wrong.join("; "));
 }
 
 /// Path of a reference scene's folder, or none with a loud line where it is absent.
