@@ -46,7 +46,10 @@ fn two_frames_are_the_same() {
 fn two_processes_write_the_same_file() {
     let folder = tempfile::tempdir().unwrap();
     let files = ["a.exr", "b.exr"].map(|name| {
-        let run = common::program::hemicube(folder.path(), &format!("render -q -o {name} --width 80 --height 64 --layers all"));
+        let run = common::program::hemicube(
+            folder.path(),
+            &format!("render -q -o {name} --width 80 --height 64 --layers all"),
+        );
         assert!(run.code == 0 && run.err.is_empty(), "{run:?}");
         std::fs::read(folder.path().join(name)).unwrap()
     });

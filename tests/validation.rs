@@ -41,7 +41,8 @@ fn the_cornell_box() {
 #[test]
 fn textures_masks_and_normal_maps() {
     let mut b = Builder::default();
-    let checker = |a: [u8; 4], c: [u8; 4]| (0..64).map(|i| if (i + i / 8) % 2 == 0 { a } else { c }).collect::<Vec<_>>();
+    let checker =
+        |a: [u8; 4], c: [u8; 4]| (0..64).map(|i| if (i + i / 8) % 2 == 0 { a } else { c }).collect::<Vec<_>>();
     let colour = b.texture(8, 8, checker([200, 120, 40, 255], [40, 120, 200, 255]), false);
     let cut = b.texture(8, 8, checker([255; 4], [255, 255, 255, 0]), true);
     let bumps = b.texture(8, 8, checker([150, 128, 240, 255], [100, 140, 240, 255]), false);
@@ -49,7 +50,8 @@ fn textures_masks_and_normal_maps() {
     let map = |texture| Some(TextureRef { texture, set: 0, transform: Mat3::IDENTITY });
     let wall = b.material(Material { base_texture: map(colour), normal_texture: map(bumps), ..diffuse(0.9) });
     let grid = b.material(Material { base_texture: map(cut), alpha_cutoff: Some(0.5), ..diffuse(0.6) });
-    let shade = b.material(Material { base_color: Vec4::new(0.5, 0.5, 0.5, 0.4), alpha_cutoff: Some(0.5), ..diffuse(0.5) });
+    let shade =
+        b.material(Material { base_color: Vec4::new(0.5, 0.5, 0.5, 0.4), alpha_cutoff: Some(0.5), ..diffuse(0.5) });
     let lamp = b.material(Material { emission_texture: map(glow), ..emitter(vec3(9.0, 8.0, 7.0)) });
     b.cuboid(wall, Vec3::splat(-1.0), Vec3::splat(1.0), common::build::Facing::In);
     b.floor(grid, 0.3, 0.7);
@@ -79,7 +81,13 @@ fn every_kind_of_light_at_once() {
     let (position, intensity) = (vec3(1.0, 1.5, 0.0), Vec3::splat(2.0));
     b.light(Light::Point { position, intensity });
     for cos_outer in [0.9, 0.05] {
-        b.light(Light::Spot { position: -position * vec3(1.0, -1.0, 1.0), direction: Vec3::NEG_Y, intensity, cos_inner: 0.95, cos_outer });
+        b.light(Light::Spot {
+            position: -position * vec3(1.0, -1.0, 1.0),
+            direction: Vec3::NEG_Y,
+            intensity,
+            cos_inner: 0.95,
+            cos_outer,
+        });
     }
     b.light(Light::Directional { direction: vec3(1.0, -2.0, 0.5).normalize(), irradiance: Vec3::ONE });
     check_complete(&draw(&b.build(), &look(dvec3(2.0, 2.0, 3.0), DVec3::ZERO, 60.0), &small(64)));

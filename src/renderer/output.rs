@@ -41,7 +41,9 @@ pub(super) fn picture(resolve: &Resolve, planes: &[Plane], size: [u32; 2], origi
 fn add_origin(axes: &mut [Vec<f32>], origin: DVec3) {
     for pixel in 0..axes.first().map_or(0, Vec::len) {
         if axes.iter().any(|axis| axis[pixel] != 0.0) {
-            axes.iter_mut().zip(origin.to_array()).for_each(|(axis, o)| axis[pixel] = (f64::from(axis[pixel]) + o) as f32);
+            axes.iter_mut()
+                .zip(origin.to_array())
+                .for_each(|(axis, o)| axis[pixel] = (f64::from(axis[pixel]) + o) as f32);
         }
     }
 }

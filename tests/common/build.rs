@@ -163,7 +163,10 @@ fn tangent([a, b, c]: [Corner; 3]) -> Vec4 {
     let (e, f) = (b.position - a.position, c.position - a.position);
     let (p, q) = (b.uv - a.uv, c.uv - a.uv);
     let along = e * q.y - f * p.y;
-    (if p.perp_dot(q) < 0.0 { -along } else { along }).try_normalize().unwrap_or(a.normal.any_orthonormal_vector()).extend(1.0)
+    (if p.perp_dot(q) < 0.0 { -along } else { along })
+        .try_normalize()
+        .unwrap_or(a.normal.any_orthonormal_vector())
+        .extend(1.0)
 }
 
 /// A perspective camera; `yfov` in degrees.

@@ -23,8 +23,10 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 pub fn gpu() -> MutexGuard<'static, Arc<Device>> {
     static GPU: OnceLock<Mutex<Arc<Device>>> = OnceLock::new();
     let open = || {
-        let instance = Instance::new(true).unwrap_or_else(|e| panic!("these tests need Vulkan and its validation: {e}"));
-        let device = Device::new(instance, &DeviceChoice::Best).unwrap_or_else(|e| panic!("these tests need a device: {e}"));
+        let instance =
+            Instance::new(true).unwrap_or_else(|e| panic!("these tests need Vulkan and its validation: {e}"));
+        let device =
+            Device::new(instance, &DeviceChoice::Best).unwrap_or_else(|e| panic!("these tests need a device: {e}"));
         eprintln!("device: {} ({})", device.physical.name, device.physical.driver);
         Mutex::new(device)
     };
