@@ -12,7 +12,7 @@ pub use settings::{Settings, SettingsError};
 
 use crate::image::Picture;
 use crate::methods::direct::{DirectLight, Extent, LightSet, Target, TooManyLights, light_sets};
-use crate::methods::irradiance_cache::{CacheStats, IrradianceCache};
+use crate::methods::irradiance_cache::{CacheStats, Ground, IrradianceCache};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
@@ -76,7 +76,8 @@ pub fn render(
     // What the scene is made of.
     let textures = Textures::new(device, scene)?;
     let textures = textures.as_ref();
-    let geometry = Geometry::new(device, scene, plan.surface_cells)?;
+    let compute = plan.captures && settings.cache.capture.wants_compute(device);
+    let geometry = Geometry::new(device, scene, plan.surface_cells, compute)?;
     let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
     clock.lap("upload scene");
 
@@ -91,14 +92,9 @@ pub fn render(
     let target = Target { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets, direct: direct.as_ref() };
     let lights = build_lights(device, sets, &target, plan.captures && settings.bounces > 0)?;
     // What it reflects.
-    let cache = plan
-        .captures
-        .then(|| {
-            let counts = settings.planes.contains(&Plane::Records);
-            let targets = &gbuffer.targets;
-            IrradianceCache::new(device, scene, &geometry, textures, targets, sky.as_ref(), counts, settings.cache)
-        })
-        .transpose()?;
+    let ground = Ground { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets, sky: sky.as_ref() };
+    let counts = settings.planes.contains(&Plane::Records);
+    let cache = plan.captures.then(|| IrradianceCache::new(device, &ground, counts, settings.cache)).transpose()?;
     // The image.
     let inputs = Inputs {
         gbuffer: &gbuffer.targets,
@@ -134,7 +130,7 @@ pub fn render(
     let cache_stats = match &cache {
         Some(cache) => {
             let viewpoint = view.viewpoint(&settings.cache, geometry.radius);
-            cache.run(&mut recorder, &geometry, textures, &viewpoint, |_, share| {
+            cache.run(&mut recorder, &ground, &viewpoint, |_, share| {
                 on_progress("records", (share * 1000.0) as u64, 1000);
             })?
         }

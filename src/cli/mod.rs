@@ -5,6 +5,7 @@
 mod common;
 mod compare;
 mod info;
+mod reference;
 mod render;
 
 use anyhow::Result;
@@ -24,6 +25,7 @@ enum Command {
     Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
     Info(info::InfoArgs),
+    Reference(Box<reference::ReferenceArgs>),
 }
 
 /// Runs the chosen subcommand.
@@ -32,6 +34,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Reference(args) => reference::run(&args),
     }
 }
 

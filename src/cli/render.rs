@@ -7,6 +7,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use hemicube::image::tone::{Look, ToneMap};
 use hemicube::image::{LayerSet, exr, png};
+use hemicube::methods::irradiance_cache::CaptureMode;
 use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -62,6 +63,9 @@ pub struct RenderArgs {
     /// Ward's a: a record reaches a times the harmonic mean distance of what it sees. Smaller: more records, less error
     #[arg(long, value_name = "A", help_heading = "Irradiance cache")]
     accuracy: Option<f32>,
+    /// How records look at the scene
+    #[arg(long, value_enum, default_value = "auto", help_heading = "Irradiance cache")]
+    capture: CaptureArg,
     /// Texels a side of a hemicube's top, even, 8 to 256
     #[arg(long, value_name = "N", help_heading = "Irradiance cache")]
     capture_size: Option<u32>,
@@ -113,6 +117,17 @@ Examples:
   hemicube render room.glb -o room.exr --background sky.exr --layers all --trace room.trace.json
 
 Exit codes: 0 done; 2 bad usage or input; 3 no suitable device, or device lost.";
+
+/// `--capture`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CaptureArg {
+    /// In compute on a CPU device where that fits, else by render passes
+    Auto,
+    /// Multi-view hemicubes by render passes
+    Hemicube,
+    /// Hemicubes rasterised in compute, in shared memory
+    Compute,
+}
 
 /// `--gradients`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -216,6 +231,11 @@ impl RenderArgs {
         set(&mut cache.covered, self.coverage);
         set(&mut cache.normal_limit, self.normal_limit);
         set_u32(&mut cache.capture_size, self.capture_size);
+        cache.capture = match self.capture {
+            CaptureArg::Auto => CaptureMode::Auto,
+            CaptureArg::Hemicube => CaptureMode::Hemicube,
+            CaptureArg::Compute => CaptureMode::Compute,
+        };
         cache.seed = self.seed;
         let has = |kind| self.gradients == kind || self.gradients == GradientsArg::Both;
         cache.gradients =

@@ -2,10 +2,11 @@
 //! fine, until every visible pixel is covered.
 
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
+use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::find_uncovered::{FindUncovered, Lattice};
 use crate::passes::gbuffer::Targets;
 use crate::passes::geometry::Geometry;
-use crate::passes::integrate::{Gradients, Integrate, Limits};
+use crate::passes::integrate::{Captured, Gradients, Integrate, Limits};
 use crate::passes::material::Textures;
 use crate::passes::place_records::{PlaceRecords, Placement};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
@@ -23,6 +24,8 @@ const COARSEST: u32 = 32;
 pub struct CacheSettings {
     /// Ward's a: zones of influence have the radius a·R.
     pub accuracy: f32,
+    /// How records look at the scene.
+    pub capture: CaptureMode,
     /// Texels a side of a hemicube's top.
     pub capture_size: u32,
     /// Gradients to extrapolate with.
@@ -59,10 +62,38 @@ pub struct CacheStats {
     pub rounds: u32,
 }
 
+/// How records look at the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CaptureMode {
+    /// In compute where that fits and the device is a CPU, whose vertex stage runs on one core; else by render passes.
+    #[default]
+    Auto,
+    /// Multi-view render passes.
+    Hemicube,
+    /// In compute; an error where that does not fit.
+    Compute,
+}
+
+/// What the cache stands on.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// Scene on the CPU.
+    pub scene: &'a Scene,
+    /// Geometry and lit surface.
+    pub geometry: &'a Geometry,
+    /// Textures.
+    pub textures: Option<&'a Textures>,
+    /// Visible surfaces.
+    pub gbuffer: &'a Targets,
+    /// Background, if it shines.
+    pub sky: Option<&'a Buffer>,
+}
+
 /// Passes and buffers of the cache.
 pub struct IrradianceCache {
     settings: CacheSettings,
-    capture: Capture,
+    captures: Captures,
+    capacity: u32,
     find: FindUncovered,
     place: PlaceRecords,
     integrate: Integrate,
@@ -72,58 +103,112 @@ pub struct IrradianceCache {
     _payloads: Buffer,
 }
 
-impl IrradianceCache {
-    /// Builds what the cache needs; `sky` is the background's buffer, if there is one.
-    pub fn new(
-        device: &Arc<Device>,
-        scene: &Scene,
-        geometry: &Geometry,
-        textures: Option<&Textures>,
-        gbuffer: &Targets,
-        sky: Option<&Buffer>,
-        counts_records: bool,
-        settings: CacheSettings,
-    ) -> Result<Self> {
+/// The pass that captures, boxed for their sizes differ.
+enum Captures {
+    Render(Box<Capture>),
+    Compute(Box<CaptureCompute>),
+}
+
+impl Captures {
+    fn new(device: &Arc<Device>, ground: &Ground<'_>, settings: &CacheSettings) -> Result<(Self, u32)> {
+        let (size, geometry) = (settings.capture_size, ground.geometry);
+        if settings.capture.wants_compute(device) && CaptureCompute::fits(device, geometry, size) {
+            let capacity = batch_size(size);
+            return Ok((Self::Compute(Box::new(CaptureCompute::new(device, geometry, size, capacity)?)), capacity));
+        }
         let desc = CaptureDesc {
             name: "capture",
             views: Views::Hemicube,
-            size: settings.capture_size,
-            capacity: batch_size(settings.capture_size),
+            size,
+            capacity: batch_size(size),
             identity: true,
             culled: pays_to_cull(device, geometry.triangle_count),
         };
-        let capture = Capture::new(device, scene, geometry, textures, desc)?;
-        let capacity = u64::from(capture.desc.capacity);
-        let records = Buffer::new(device, "records", capacity * size_of::<Record>() as u64, Memory::Device)?;
-        let payloads = capacity * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
+        let capture = Capture::new(device, ground.scene, geometry, ground.textures, desc)?;
+        let capacity = capture.desc.capacity;
+        Ok((Self::Render(Box::new(capture)), capacity))
+    }
+
+    fn frames(&self) -> &Buffer {
+        match self {
+            Self::Render(capture) => &capture.frames,
+            Self::Compute(capture) => &capture.frames,
+        }
+    }
+
+    fn captured(&self) -> Captured<'_> {
+        match self {
+            Self::Render(capture) => Captured::Render(capture),
+            Self::Compute(capture) => Captured::Compute(capture),
+        }
+    }
+
+    fn record(&self, recording: &mut Recording<'_>, ground: &Ground<'_>, count: u32) -> Result<()> {
+        match self {
+            Self::Compute(capture) => recording.pass("capture_compute", |c| {
+                capture.record(c, count);
+                Ok(())
+            }),
+            Self::Render(capture) => {
+                if capture.is_culled() {
+                    recording.pass("cull", |c| {
+                        capture.record_cull(c, count);
+                        Ok(())
+                    })?;
+                }
+                recording.pass("capture", |c| {
+                    capture.record(c, ground.geometry, ground.textures, count);
+                    Ok(())
+                })
+            }
+        }
+    }
+}
+
+impl CaptureMode {
+    /// Whether captures in compute are wished for on `device`.
+    pub fn wants_compute(self, device: &Device) -> bool {
+        self == Self::Compute || (self == Self::Auto && device.is_cpu())
+    }
+}
+
+impl IrradianceCache {
+    /// Builds what the cache needs; with `counts_records`, the number of records of each pixel is kept.
+    pub fn new(
+        device: &Arc<Device>,
+        ground: &Ground<'_>,
+        counts_records: bool,
+        settings: CacheSettings,
+    ) -> Result<Self> {
+        let Ground { geometry, gbuffer, sky, .. } = *ground;
+        let (captures, capacity) = Captures::new(device, ground, &settings)?;
+        let records = u64::from(capacity) * size_of::<Record>() as u64;
+        let records = Buffer::new(device, "records", records, Memory::Device)?;
+        let payloads = u64::from(capacity) * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
         let payloads = Buffer::new(device, "records", payloads, Memory::Device)?;
         let outputs = Outputs { sky: sky.is_some(), records: counts_records };
         let both = (&records, &payloads);
         let has_gradients = settings.gradients.rotation || settings.gradients.translation;
         let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight)?;
         let find = FindUncovered::new(device, gbuffer, &splat.sums.indirect)?;
-        let place = PlaceRecords::new(device, gbuffer, &find.found, &capture.frames, &records)?;
+        let place = PlaceRecords::new(device, gbuffer, &find.found, captures.frames(), &records)?;
         let limits = Limits {
             accuracy: settings.accuracy,
             min_radius: settings.min_radius,
             max_radius: settings.max_radius,
             scene_radius: geometry.radius,
         };
-        let integrate = Integrate::new(device, geometry, &capture, both, sky, settings.gradients, limits)?;
-        Ok(Self { settings, capture, find, place, integrate, splat, _records: records, _payloads: payloads })
-    }
-
-    /// Whether captures are culled.
-    pub fn is_culled(&self) -> bool {
-        self.capture.is_culled()
+        let captured = (&captures.captured(), settings.capture_size, capacity);
+        let integrate = Integrate::new(device, geometry, captured, both, sky, settings.gradients, limits)?;
+        let (_records, _payloads) = (records, payloads);
+        Ok(Self { settings, captures, capacity, find, place, integrate, splat, _records, _payloads })
     }
 
     /// Fills the cache until every pixel is covered. `progress` hears the records so far and the share of rounds done.
     pub fn run(
         &self,
         recorder: &mut Recorder,
-        geometry: &Geometry,
-        textures: Option<&Textures>,
+        ground: &Ground<'_>,
         viewpoint: &Viewpoint,
         mut progress: impl FnMut(u64, f32),
     ) -> Result<CacheStats> {
@@ -140,7 +225,7 @@ impl IrradianceCache {
             let found = self.find.count();
             stats.rounds += u32::from(found > 0);
             stats.records += u64::from(found);
-            self.round(recorder, geometry, textures, viewpoint, found, next.copied())?;
+            self.round(recorder, ground, viewpoint, found, next.copied())?;
             progress(stats.records, (index + 1) as f32 / lattices.len() as f32);
         }
         Ok(stats)
@@ -157,13 +242,12 @@ impl IrradianceCache {
     fn round(
         &self,
         recorder: &mut Recorder,
-        geometry: &Geometry,
-        textures: Option<&Textures>,
+        ground: &Ground<'_>,
         viewpoint: &Viewpoint,
         found: u32,
         next: Option<Lattice>,
     ) -> Result<()> {
-        let capacity = self.capture.desc.capacity;
+        let capacity = self.capacity;
         let batches = found.div_ceil(capacity).max(1);
         for batch in 0..batches {
             let first = batch * capacity;
@@ -171,7 +255,7 @@ impl IrradianceCache {
             recorder.submit(|recording| {
                 if count > 0 {
                     let placement = Placement { first, count, ..viewpoint.placement };
-                    self.batch(recording, geometry, textures, placement, &viewpoint.view)?;
+                    self.batch(recording, ground, placement, &viewpoint.view)?;
                 }
                 match next.filter(|_| batch + 1 == batches) {
                     Some(lattice) => self.find(recording, lattice),
@@ -185,8 +269,7 @@ impl IrradianceCache {
     fn batch(
         &self,
         recording: &mut Recording<'_>,
-        geometry: &Geometry,
-        textures: Option<&Textures>,
+        ground: &Ground<'_>,
         placement: Placement,
         view: &View,
     ) -> Result<()> {
@@ -195,16 +278,7 @@ impl IrradianceCache {
             self.place.record(c, placement);
             Ok(())
         })?;
-        if self.capture.is_culled() {
-            recording.pass("cull", |c| {
-                self.capture.record_cull(c, count);
-                Ok(())
-            })?;
-        }
-        recording.pass("capture", |c| {
-            self.capture.record(c, geometry, textures, count);
-            Ok(())
-        })?;
+        self.captures.record(recording, ground, count)?;
         recording.pass("integrate", |c| {
             self.integrate.record(c, count);
             Ok(())

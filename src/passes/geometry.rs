@@ -64,8 +64,10 @@ pub struct Geometry {
     pub cell_triangle: Buffer,
     /// Radiance to front and back of each cell, six floats.
     pub cell_radiance: Buffer,
-    /// Positions and indices that captures draw: shared vertices, or three a triangle where `gl_PrimitiveID` is missing.
-    pub capture_mesh: Option<(Buffer, Buffer)>,
+    /// Three corners a triangle, without sharing, where captures ask for it.
+    pub corners: Option<Buffer>,
+    /// Indices 0, 1, 2, … of the corners, for devices that cannot tell a shared vertex's triangle.
+    corner_indices: Option<Buffer>,
     /// Vertex positions.
     pub positions: Buffer,
     /// Triangle corners.
@@ -77,7 +79,9 @@ pub struct Geometry {
 
 impl Geometry {
     /// Uploads `scene`, its surface cut into about `cells` cells.
-    pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32) -> Result<Self> {
+    ///
+    /// `compute_captures`: hemicubes are rasterised in compute, which reads corners without sharing.
+    pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32, compute_captures: bool) -> Result<Self> {
         let order = Order::new(scene);
         let triangles = &order.triangles;
         let (first_cell, cell_triangle) = cut_into_cells(scene, triangles, cells);
@@ -111,8 +115,13 @@ impl Geometry {
         ];
         let set_layout = SetLayout::new(device, &[vk::DescriptorType::STORAGE_BUFFER; 8])?;
         let set = DescriptorSet::new(&set_layout, &bindings)?;
-        let capture_mesh =
-            if device.capabilities.primitive_id { None } else { Some(unshared(device, &positions, triangles)?) };
+        let unshared = !device.capabilities.primitive_id;
+        let corners = || triangles.iter().flatten().map(|v| positions[*v as usize]).collect::<Vec<_>>();
+        let corners = (unshared || compute_captures)
+            .then(|| Buffer::with_data(device, "capture corners", &corners()))
+            .transpose()?;
+        let counting = || (0..3 * triangles.len() as u32).collect::<Vec<u32>>();
+        let corner_indices = unshared.then(|| Buffer::with_data(device, "capture corners", &counting())).transpose()?;
         let bounds = bounds(&scene.positions);
         let cell_count = cell_triangle.len() as u32;
         Ok(Self {
@@ -131,7 +140,8 @@ impl Geometry {
             first_cell: Buffer::with_data(device, "surface cells", &first_cell)?,
             cell_triangle: Buffer::with_data(device, "surface cells", &cell_triangle)?,
             cell_radiance: Buffer::new(device, "surface radiance", u64::from(cell_count) * 24, Memory::Device)?,
-            capture_mesh,
+            corners,
+            corner_indices,
             positions: positions_buffer,
             indices,
             _normals: normals,
@@ -142,7 +152,10 @@ impl Geometry {
 
     /// The vertex and index buffer that captures draw.
     pub fn capture_buffers(&self) -> (&Buffer, &Buffer) {
-        self.capture_mesh.as_ref().map_or((&self.positions, &self.indices), |(p, i)| (p, i))
+        match (&self.corners, &self.corner_indices) {
+            (Some(corners), Some(indices)) => (corners, indices),
+            _ => (&self.positions, &self.indices),
+        }
     }
 }
 
@@ -269,15 +282,6 @@ fn upload_streams(device: &Arc<Device>, scene: &Scene) -> Result<(Streams, [Opti
         streams.colors.then(|| four("vertex colours", &scene.colors)).transpose()?,
     ];
     Ok((streams, buffers))
-}
-
-fn unshared(device: &Arc<Device>, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(Buffer, Buffer)> {
-    let corners: Vec<[f32; 3]> = triangles.iter().flatten().map(|v| positions[*v as usize]).collect();
-    let indices: Vec<u32> = (0..corners.len() as u32).collect();
-    Ok((
-        Buffer::with_data(device, "capture vertices", &corners)?,
-        Buffer::with_data(device, "capture indices", &indices)?,
-    ))
 }
 
 /// Octahedral unit vector in 2 × 16 bits; twin of `oct_encode` in `glsl/inc/oct.glsl`.

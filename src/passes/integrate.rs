@@ -1,6 +1,7 @@
 //! Integrates a batch of captures: irradiance, gradients, harmonic mean distance, radius.
 
 use super::capture::Capture;
+use super::capture_compute::CaptureCompute;
 use super::geometry::Geometry;
 use crate::math::hemicube::Hemicube;
 use crate::vk::gpu_types::{Edge, Texel};
@@ -45,6 +46,14 @@ pub struct Gradients {
     pub translation: bool,
 }
 
+/// Where captures come from.
+pub enum Captured<'a> {
+    /// Render passes.
+    Render(&'a Capture),
+    /// Compute.
+    Compute(&'a CaptureCompute),
+}
+
 /// The pass.
 pub struct Integrate {
     pipeline: ComputePipeline,
@@ -60,28 +69,39 @@ impl Integrate {
     pub fn new(
         device: &Arc<Device>,
         geometry: &Geometry,
-        capture: &Capture,
+        (captured, size, capacity): (&Captured<'_>, u32, u32),
         (records, payloads): (&Buffer, &Buffer),
         sky: Option<&Buffer>,
         gradients: Gradients,
         limits: Limits,
     ) -> Result<Self> {
-        let table = Hemicube::new(capture.desc.size);
+        let table = Hemicube::new(size);
         let texels = Buffer::with_data(device, "capture tables", &gpu_texels(&table))?;
         let edges = Buffer::with_data(device, "capture tables", &gpu_edges(&table, gradients))?;
         let per_record = table.texels.len() as u64 * if sky.is_some() { 32 } else { 16 };
-        let gathered_bytes = per_record * u64::from(capture.desc.capacity);
+        let gathered_bytes = per_record * u64::from(capacity);
         let gathered = Buffer::new(device, "gathered radiance", gathered_bytes, Memory::Device)?;
 
         let (positions, indices) = (&geometry.positions, &geometry.indices);
         let scene_bindings = [positions, indices, &geometry.first_cell, &geometry.cell_radiance].map(Binding::Storage);
         let scene_layout = SetLayout::of(device, &scene_bindings)?;
         let scene_set = DescriptorSet::new(&scene_layout, &scene_bindings)?;
-        let identity = capture.identity.as_ref().expect("captures for integration keep identities");
+        let (inputs, frames, code, columns) = match captured {
+            Captured::Render(capture) => {
+                let identity = capture.identity.as_ref().expect("captures for integration keep identities");
+                let images = [Binding::Texels(identity), Binding::Texels(&capture.depth)];
+                (images, &capture.frames, spirv!("integrate", "from_render.comp"), capture.columns)
+            }
+            Captured::Compute(capture) => {
+                // The second place is an image's in the other shader, and free in this one.
+                let buffers = [Binding::Storage(&capture.seen), Binding::Storage(&capture.seen)];
+                (buffers, &capture.frames, spirv!("integrate", "from_compute.comp"), 1)
+            }
+        };
         let bindings = [
-            Binding::Texels(identity),
-            Binding::Texels(&capture.depth),
-            Binding::Storage(&capture.frames),
+            inputs[0],
+            inputs[1],
+            Binding::Storage(frames),
             Binding::Storage(&texels),
             Binding::Storage(&edges),
             Binding::Storage(&gathered),
@@ -94,13 +114,12 @@ impl Integrate {
         let pipeline_layout = PipelineLayout::new(device, &[&scene_layout, &layout], size_of::<Push>() as u32)?;
         let constants =
             Specialisation([sky.is_some(), gradients.rotation, gradients.translation].map(u32::from).to_vec());
-        let code = spirv!("integrate", "integrate.comp");
         let pipeline = ComputePipeline::new("integrate", &pipeline_layout, code, &constants)?;
         let push = Push {
             texel_count: table.texels.len() as u32,
             edge_count: table.edges.len() as u32,
-            tile_size: capture.desc.size,
-            columns: capture.columns,
+            tile_size: size,
+            columns,
             limits,
         };
         Ok(Self {

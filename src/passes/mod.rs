@@ -4,6 +4,7 @@
 //! Passes are ordered and timed by [`crate::vk::pass::Recording::pass`].
 
 pub mod capture;
+pub mod capture_compute;
 pub mod cull;
 pub mod find_uncovered;
 pub mod gbuffer;

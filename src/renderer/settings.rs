@@ -1,6 +1,6 @@
 //! What a frame is made with, and its checks.
 
-use crate::methods::irradiance_cache::CacheSettings;
+use crate::methods::irradiance_cache::{CacheSettings, CaptureMode};
 use crate::methods::light_samples::LightSettings;
 use crate::passes::integrate::Gradients;
 use crate::passes::resolve::Plane;
@@ -36,6 +36,7 @@ impl Default for Settings {
             bounces: 1,
             cache: CacheSettings {
                 accuracy: 0.3,
+                capture: CaptureMode::Auto,
                 capture_size: 32,
                 gradients: Gradients { rotation: true, translation: true },
                 min_radius: 3.0,

@@ -112,7 +112,7 @@ impl Capabilities {
                 .sum(),
             draw_indirect_count: features_1_2.draw_indirect_count == vk::TRUE,
             multi_draw_indirect: features.multi_draw_indirect == vk::TRUE,
-            primitive_id: features.geometry_shader == vk::TRUE,
+            primitive_id: features.geometry_shader == vk::TRUE && device.driver_id != vk::DriverId::MESA_LLVMPIPE,
             multiview_draws: device.driver_id != vk::DriverId::MESA_LLVMPIPE,
             timestamp_bits: family.timestamp_valid_bits,
             timestamp_period: f64::from(limits.timestamp_period),

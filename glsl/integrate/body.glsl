@@ -1,8 +1,6 @@
 // Irradiance, its gradients and the harmonic mean distance of each record of a batch, from its captured views. One
 // workgroup a record; every sum has a fixed order. Texels and edges come as tables (src/math/hemicube.rs), so that the
 // same pass serves any set of views. CPU twin: math::hemicube::integrate.
-#version 460
-#extension GL_EXT_samplerless_texture_functions : require
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
 #include "inc/views.glsl"
@@ -20,8 +18,13 @@ layout(set = 0, binding = 0, std430) readonly buffer Positions { float positions
 layout(set = 0, binding = 1, std430) readonly buffer Indices { uint indices[]; };
 layout(set = 0, binding = 2, std430) readonly buffer FirstCell { uint first_cell[]; };
 layout(set = 0, binding = 3, std430) readonly buffer CellRadiance { float cell_radiance[]; };
+#ifdef FROM_COMPUTE
+layout(set = 1, binding = 0, std430) readonly buffer Seen { uvec2 seen_texels[]; };  // identity, 1/distance
+layout(set = 1, binding = 1, std430) readonly buffer Unused { uint unused[]; };
+#else
 layout(set = 1, binding = 0) uniform utexture2DArray identities;
 layout(set = 1, binding = 1) uniform texture2DArray depths;
+#endif
 layout(set = 1, binding = 2, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 1, binding = 3, std430) readonly buffer Texels { Texel texels[]; };
 layout(set = 1, binding = 4, std430) readonly buffer Edges { Edge edges[]; };
@@ -57,6 +60,17 @@ vec4 sum_all(vec4 value) {
     return partial[0];
 }
 
+// Identity, and 1/distance as bits, of what a texel sees.
+uvec2 look(uint record, uint i, uvec2 tile, Texel texel, float near) {
+#ifdef FROM_COMPUTE
+    return seen_texels[record * push.texel_count + i];
+#else
+    ivec3 at = ivec3(tile + uvec2(texel.place.x & 255, (texel.place.x >> 8) & 255), texel.place.x >> 16);
+    float depth = texelFetch(depths, at, 0).x;
+    return uvec2(texelFetch(identities, at, 0).x, floatBitsToUint(depth * uintBitsToFloat(texel.place.z) / near));
+#endif
+}
+
 struct Sums { vec4 irradiance; vec3 rotation[3]; };  // irradiance.w: Σ w/d
 
 void gather(uint record, Frame frame, out Sums lit, out Sums open) {
@@ -65,8 +79,8 @@ void gather(uint record, Frame frame, out Sums lit, out Sums open) {
     uvec2 tile = uvec2(record % push.columns, record / push.columns) * push.tile_size;
     for (uint i = gl_LocalInvocationID.x; i < push.texel_count; i += THREADS) {
         Texel texel = texels[i];
-        ivec3 at = ivec3(tile + uvec2(texel.place.x & 255, (texel.place.x >> 8) & 255), texel.place.x >> 16);
-        uint identity = texelFetch(identities, at, 0).x;
+        uvec2 hit = look(record, i, tile, texel, frame.origin.w);
+        uint identity = hit.x;
         vec3 direction = to_world(frame, texel.direction.xyz);
         float weight = texel.direction.w;
         float solid_angle = uintBitsToFloat(texel.place.y);
@@ -74,10 +88,9 @@ void gather(uint record, Frame frame, out Sums lit, out Sums open) {
         vec4 seen = vec4(0.0);
         vec3 beyond = vec3(0.0);
         if (identity != 0) {
-            float depth = texelFetch(depths, at, 0).x;
             uint triangle = (identity & 0x7fffffffu) - 1;
             seen.rgb = surface_radiance(triangle, identity >= 0x80000000u, frame.origin.xyz, direction);
-            seen.w = depth * uintBitsToFloat(texel.place.z) / frame.origin.w;
+            seen.w = uintBitsToFloat(hit.y);
         } else if (HAS_SKY != 0 && dot(direction, frame.horizon.xyz) > 0.0) {
             beyond = sky_radiance(direction);
         }

@@ -1,0 +1,85 @@
+//! How far an irradiance record reaches: Ward's weight, its bounded form, and the tests that reject a record.
+//!
+//! `d` = ‖P − P_k‖ and R in the same unit of length; `cos` = n·n_k. A weight of zero or less means "not used".
+
+use glam::DVec3;
+
+/// Ward, Rubinstein, Clear 1988: `1 / (d/R + √(1 − n·n_k))`; a record is used where this exceeds 1/a.
+///
+/// Infinite at the record itself. See [`used`].
+pub fn ward(d: f64, r: f64, cos: f64) -> f64 {
+    1.0 / (d / r + (1.0 - cos).max(0.0).sqrt())
+}
+
+/// [`ward`], 0 where the record is not used at accuracy `a`, finite at the record.
+///
+/// The bound stands so far above any useful weight that the record's own value is met to single precision.
+pub fn used(d: f64, r: f64, cos: f64, a: f64) -> f64 {
+    let w = ward(d, r, cos);
+    if w > 1.0 / a { w.min(1e9) } else { 0.0 }
+}
+
+/// Tabellion and Lamorlette 2004, with the zone's radius given: `1 − max(d/radius, √((1 − n·n_k)/(1 − cos α)))`.
+///
+/// Their `clamp(R/2, R⁻, R⁺)/κ` is `radius`; `cos_alpha` is the cosine of the largest angle between the normals (theirs:
+/// 10° at κ = 1). Bounded by 1, and 0 at the border of the zone.
+pub fn bounded(d: f64, radius: f64, cos: f64, cos_alpha: f64) -> f64 {
+    let angle = ((1.0 - cos).max(0.0) / (1.0 - cos_alpha)).sqrt();
+    (1.0 - (d / radius).max(angle)).max(0.0)
+}
+
+/// Whether the record stands in front of P, `offset` = P − P_k away: P may then see surfaces that the record does not.
+///
+/// Ward 1988 (dᵢ < 0), with a tolerance relative to R so that scaling the world changes nothing.
+pub fn in_front(offset: DVec3, n: DVec3, n_k: DVec3, r: f64) -> bool {
+    const RELATIVE_TOLERANCE: f64 = 0.01;
+    offset.dot(n + n_k) * 0.5 < -RELATIVE_TOLERANCE * r
+}
+
+/// A new record's R and its neighbour's, after each is limited by the other (Křivánek, Bouatouch, Pattanaik, Žára 2006).
+///
+/// If the neighbour sees something at R_i, the new record at distance d cannot be further from it than R_i + d.
+pub fn clamp_neighbours(r_new: f64, r_i: f64, d: f64) -> (f64, f64) {
+    let r_new = r_new.min(r_i + d);
+    (r_new, r_i.min(r_new + d))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ward_reaches_a_times_r() {
+        assert!(used(0.199, 1.0, 1.0, 0.2) > 0.0);
+        assert_eq!(used(0.201, 1.0, 1.0, 0.2), 0.0);
+        // a = 0.2: normals may differ by acos(1 − 0.04).
+        assert!(used(0.0, 1.0, 0.961, 0.2) > 0.0);
+        assert_eq!(used(0.0, 1.0, 0.959, 0.2), 0.0);
+        assert!(used(0.0, 1.0, 1.0, 0.2).is_finite());
+    }
+
+    #[test]
+    fn bounded_falls_from_one_to_zero() {
+        let cos10 = 10f64.to_radians().cos();
+        assert_eq!(bounded(0.0, 1.0, 1.0, cos10), 1.0);
+        assert_eq!(bounded(0.25, 1.0, 1.0, cos10), 0.75);
+        assert_eq!(bounded(1.0, 1.0, 1.0, cos10), 0.0);
+        assert!(bounded(0.0, 1.0, cos10, cos10).abs() < 1e-7);
+    }
+
+    #[test]
+    fn in_front_means_below_the_record_in_a_concave_corner() {
+        // The record stands on a step; P lies on the floor below it.
+        assert!(in_front(DVec3::new(0.1, 0.0, -0.5), DVec3::Z, DVec3::Z, 1.0));
+        assert!(!in_front(DVec3::new(0.1, 0.0, 0.0), DVec3::Z, DVec3::Z, 1.0));
+        for scale in [1e-6, 1e6] {
+            assert!(!in_front(DVec3::new(0.1, 0.0, -0.005) * scale, DVec3::Z, DVec3::Z, scale));
+        }
+    }
+
+    #[test]
+    fn neighbours_limit_each_other() {
+        assert_eq!(clamp_neighbours(10.0, 1.0, 0.5), (1.5, 1.0));
+        assert_eq!(clamp_neighbours(1.0, 10.0, 0.5), (1.0, 1.5));
+    }
+}

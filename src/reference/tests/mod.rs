@@ -1,0 +1,7 @@
+//! The path tracer and the irradiance cache against closed forms.
+
+mod closed_forms;
+mod gradients;
+mod peers;
+mod promises;
+mod scenes;
