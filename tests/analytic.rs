@@ -1,5 +1,7 @@
 //! The renderer on the device against closed forms, and against itself under changes that must not change the light.
 
+#![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
+
 mod common;
 
 use common::build::{Facing, diffuse, emitter};

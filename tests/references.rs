@@ -3,6 +3,8 @@
 //! `HEMICUBE_SCENES` names their folder (default `../shared/scenes`). A reference is the irradiance at pixel centres, split
 //! by the number of reflections: `dir` (0) and `b1` (exactly 1).
 
+#![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
+
 mod common;
 
 use common::{check_complete, draw, scene_folder};
