@@ -7,10 +7,14 @@
 #include "inc/surface.glsl"
 
 layout(push_constant) uniform Push { uint frame; uint material; } push;
+#ifdef TEXTURED
 layout(location = 0) in vec4 uvs;
+#else
+const vec4 uvs = vec4(0.0);
+#endif
 layout(location = 1) in float alpha;
-layout(location = 2) flat in uint triangle;
 #ifdef IDENTITY
+layout(location = 2) flat in uint triangle;
 layout(location = 0) out uint identity;
 #endif
 

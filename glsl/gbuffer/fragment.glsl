@@ -6,7 +6,6 @@
 #include "inc/material_constants.glsl"
 #include "inc/material_textures.glsl"
 #include "inc/surface.glsl"
-layout(constant_id = 8) const uint HAS_EMISSION = 0;
 
 layout(push_constant) uniform Push { mat4 world_to_clip; vec4 eye; uint material; } push;
 
@@ -24,7 +23,9 @@ layout(location = 5) flat in vec3 geometric;
 layout(location = 0) out vec4 out_position;  // xyz; w: 1 where the surface reflects, 2 where it emits
 layout(location = 1) out uvec2 out_normals;  // shading and geometric, octahedral
 layout(location = 2) out vec4 out_albedo;
-layout(location = 3) out vec4 out_emission;  // only where the scene emits
+#ifdef EMISSION
+layout(location = 3) out vec4 out_emission;
+#endif
 
 void main() {
     Material material = materials[push.material];
@@ -42,5 +43,7 @@ void main() {
     out_position = vec4(position, emits ? 2.0 : 1.0);
     out_normals = uvec2(oct_encode(ns), oct_encode(ng));
     out_albedo = vec4(s.albedo.rgb, 1.0);
-    if (HAS_EMISSION != 0) out_emission = vec4(front || material.alpha.y != 0.0 ? s.emission : vec3(0.0), 1.0);
+#ifdef EMISSION
+    out_emission = vec4(front || material.alpha.y != 0.0 ? s.emission : vec3(0.0), 1.0);
+#endif
 }

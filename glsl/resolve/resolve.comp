@@ -63,8 +63,10 @@ void main() {
         vec2 ndc = (vec2(xy) + 0.5) / vec2(push.size) * 2.0 - 1.0;
         emission = sky_radiance((push.clip_to_world_direction * vec4(ndc, 1.0, 1.0)).xyz);
     }
-    vec3 out_direct = albedo * e_direct / PI, out_indirect = albedo * e_indirect / PI;
-    put(push.final_plane, pixel, out_direct + out_indirect + emission);
+    // precise: rounded the same way whichever constants leave parts out.
+    precise vec3 out_direct = albedo * e_direct / PI, out_indirect = albedo * e_indirect / PI;
+    precise vec3 all = out_direct + out_indirect + emission;
+    put(push.final_plane, pixel, all);
     put(push.direct_plane, pixel, out_direct);
     put(push.indirect_plane, pixel, out_indirect);
     put(push.irradiance_plane, pixel, e_indirect);

@@ -2,15 +2,24 @@
 
 use glam::Vec2;
 
-/// Point `index` of the R2 sequence (Roberts 2018) in the unit square: additive recurrence with the plastic number.
-pub fn r2(index: u32) -> Vec2 {
-    let n = f64::from(index) + 0.5;
-    Vec2::new((0.754_877_666_246_692_7 * n).fract() as f32, (0.569_840_290_998_053_2 * n).fract() as f32)
-}
-
-/// Barycentric (u, v) of a point of the unit square, folded onto the triangle u + v ≤ 1.
-pub fn fold_to_triangle(p: Vec2) -> Vec2 {
-    if p.x + p.y > 1.0 { Vec2::ONE - p } else { p }
+/// Barycentric (u, v) of point `index` of the triangular van der Corput sequence (Basu and Owen 2015, "Low discrepancy
+/// constructions in the triangle", section 3): each base-4 digit chooses one of the four triangles that the
+/// last one splits into, so that every 4ᵏ points in a row lie one in each of the 4ᵏ equal triangles.
+pub fn triangle_point(index: u32) -> Vec2 {
+    let [mut a, mut b, mut c] = [Vec2::ZERO, Vec2::X, Vec2::Y];
+    let mut rest = index;
+    // Digit 0 keeps the centre where it is: leading zeros need no step.
+    while rest > 0 {
+        let (ab, bc, ca) = (a.midpoint(b), b.midpoint(c), c.midpoint(a));
+        [a, b, c] = match rest & 3 {
+            0 => [bc, ca, ab],
+            1 => [a, ab, ca],
+            2 => [ab, b, bc],
+            _ => [ca, bc, c],
+        };
+        rest >>= 2;
+    }
+    (a + b + c) / 3.0
 }
 
 /// Direction `index` of `count` on the unit sphere: spherical Fibonacci points (Keinert et al. 2015).
@@ -33,8 +42,15 @@ mod tests {
     }
 
     #[test]
-    fn r2_fills_the_square_evenly() {
-        let left = (0..1000).filter(|i| r2(*i).x < 0.5 && r2(*i).y < 0.5).count();
-        assert!((245..=255).contains(&left), "{left}");
+    fn each_run_of_a_power_of_four_has_one_point_in_each_equal_triangle() {
+        for first in [0, 64, 192] {
+            let mut seen = std::collections::BTreeSet::new();
+            for p in (first..first + 64).map(triangle_point) {
+                let s = p * 8.0;
+                let upper = s.x.fract() + s.y.fract() > 1.0;
+                assert!(p.x > 0.0 && p.y > 0.0 && p.x + p.y < 1.0, "{p}");
+                assert!(seen.insert((s.x as u32, s.y as u32, upper)), "two points in one triangle: {p}");
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@
 //! sequence within each triangle. The sky, for the surface cells alone, is a set of parallel lights; pixels see it by
 //! their records' captures.
 
-use crate::math::sequence::{fibonacci_sphere, fold_to_triangle, r2};
+use crate::math::sequence::{fibonacci_sphere, triangle_point};
 use crate::passes::capture::Views;
 use crate::scene::{Background, EnvironmentMap, Light, Scene};
 use crate::vk::gpu_types::{Frame, LightSample};
@@ -215,7 +215,7 @@ fn brightness(v: Vec3) -> f32 {
 }
 
 /// Cuts the emitters into `count` samples of equal power: steps through the cumulated power (systematic sampling), places
-/// within each triangle by the R2 sequence.
+/// within each triangle by the triangular van der Corput sequence.
 fn add_emitters(scene: &Scene, extent: Extent, count: u32, set: &mut LightSet) {
     let sides = |e: &crate::scene::Emitter| if e.double_sided { 2 } else { 1 };
     let faces: Vec<_> =
@@ -233,7 +233,7 @@ fn add_emitters(scene: &Scene, extent: Extent, count: u32, set: &mut LightSet) {
             (face, taken) = (face + 1, 0);
         }
         let (emitter, back) = &faces[face];
-        let uv = fold_to_triangle(r2(taken));
+        let uv = triangle_point(taken);
         taken += 1;
         let point = scene.surface(emitter.triangle, uv);
         // Area that the sample stands for: 1/(count · pdf), pdf = (power/total)/area.

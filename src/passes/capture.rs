@@ -312,17 +312,23 @@ impl PipelineBuilder<'_> {
     fn masked(&self, material: u32, subpasses: u32) -> Result<(Vec<GraphicsPipeline>, bool)> {
         let variant = Variant::of(&self.scene.materials[material as usize]);
         let textures = self.textures.filter(|_| variant.is_textured());
-        let (sets, vertex) = match textures {
-            Some(t) => {
-                (vec![&self.geometry.set_layout, &t.layout, self.frames], spirv!("capture", "masked_textured.vert"))
-            }
-            None => (vec![&self.geometry.set_layout, self.frames], spirv!("capture", "masked_plain.vert")),
+        let sets = match textures {
+            Some(t) => vec![&self.geometry.set_layout, &t.layout, self.frames],
+            None => vec![&self.geometry.set_layout, self.frames],
         };
-        let fragment = match (self.desc.identity, textures.is_some()) {
-            (true, true) => spirv!("capture", "masked_identity_textured.frag"),
-            (true, false) => spirv!("capture", "masked_identity_plain.frag"),
-            (false, true) => spirv!("capture", "masked_depth_textured.frag"),
-            (false, false) => spirv!("capture", "masked_depth_plain.frag"),
+        let (vertex, fragment) = match (self.desc.identity, textures.is_some()) {
+            (true, true) => {
+                (spirv!("capture", "masked_identity_textured.vert"), spirv!("capture", "masked_identity_textured.frag"))
+            }
+            (true, false) => {
+                (spirv!("capture", "masked_identity_plain.vert"), spirv!("capture", "masked_identity_plain.frag"))
+            }
+            (false, true) => {
+                (spirv!("capture", "masked_depth_textured.vert"), spirv!("capture", "masked_depth_textured.frag"))
+            }
+            (false, false) => {
+                (spirv!("capture", "masked_depth_plain.vert"), spirv!("capture", "masked_depth_plain.frag"))
+            }
         };
         let layout = PipelineLayout::new(self.device, &sets, 8)?;
         let constants = |rest: &[u32]| variant.constants(self.geometry.streams, rest);

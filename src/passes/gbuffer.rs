@@ -90,15 +90,21 @@ impl GBuffer {
     }
 
     fn pipeline(&self, variant: Variant, geometry: &Geometry, emission: bool) -> Result<GraphicsPipeline> {
-        let (layout, vertex, fragment) = match (&self.textured, variant.is_textured()) {
-            (Some(layout), true) => (layout, spirv!("gbuffer", "textured.vert"), spirv!("gbuffer", "textured.frag")),
-            _ => (&self.plain, spirv!("gbuffer", "plain.vert"), spirv!("gbuffer", "plain.frag")),
+        let (layout, vertex) = match (&self.textured, variant.is_textured()) {
+            (Some(layout), true) => (layout, spirv!("gbuffer", "textured.vert")),
+            _ => (&self.plain, spirv!("gbuffer", "plain.vert")),
+        };
+        let fragment = match (variant.is_textured(), emission) {
+            (true, true) => spirv!("gbuffer", "textured_emission.frag"),
+            (true, false) => spirv!("gbuffer", "textured.frag"),
+            (false, true) => spirv!("gbuffer", "plain_emission.frag"),
+            (false, false) => spirv!("gbuffer", "plain.frag"),
         };
         let desc = GraphicsDesc {
             name: "gbuffer",
             vertex,
             fragment: Some(fragment),
-            constants: variant.constants(geometry.streams, &[u32::from(emission)]),
+            constants: variant.constants(geometry.streams, &[]),
             input: VertexInput::None,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             additive: false,

@@ -28,12 +28,22 @@ fn channels(plane: Plane) -> Vec<String> {
 pub(super) fn picture(resolve: &Resolve, planes: &[Plane], size: [u32; 2], origin: DVec3) -> Picture {
     let mut picture = Picture { width: size[0], height: size[1], ..Picture::default() };
     for plane in planes {
-        for (axis, (name, mut values)) in channels(*plane).into_iter().zip(resolve.read(*plane)).enumerate() {
-            if *plane == Plane::Position && origin != DVec3::ZERO {
-                values.iter_mut().for_each(|v| *v = (f64::from(*v) + origin[axis]) as f32);
-            }
-            picture.channels.insert(name, values);
+        let mut values = resolve.read(*plane);
+        if *plane == Plane::Position {
+            add_origin(&mut values, origin);
         }
+        picture.channels.extend(channels(*plane).into_iter().zip(values));
     }
     picture
+}
+
+/// Gives positions the scene's origin back. Where nothing is seen they are 0 and stay so.
+fn add_origin(axes: &mut [Vec<f32>], origin: DVec3) {
+    for pixel in 0..axes.first().map_or(0, Vec::len) {
+        if axes.iter().any(|axis| axis[pixel] != 0.0) {
+            axes.iter_mut()
+                .zip(origin.to_array())
+                .for_each(|(axis, o)| axis[pixel] = (f64::from(axis[pixel]) + o) as f32);
+        }
+    }
 }

@@ -130,7 +130,11 @@ fn create_instance(entry: &Entry, validate: bool, debug_utils: bool) -> Result<a
         info = info.push_next(&mut features);
     }
     // SAFETY: all pointers in `info` live through the call.
-    unsafe { entry.create_instance(&info, None) }.during("creating the Vulkan instance")
+    match unsafe { entry.create_instance(&info, None) } {
+        // The loader's word for finding no driver at all.
+        Err(vk::Result::ERROR_INCOMPATIBLE_DRIVER) => Err(Error::NoDevice),
+        created => created.during("creating the Vulkan instance"),
+    }
 }
 
 fn layer_exists(entry: &Entry, name: &CStr) -> bool {

@@ -1,4 +1,4 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define FRAME_SET 2
-#include "capture/masked_vert.glsl"
+#define EMISSION
+#include "gbuffer/fragment.glsl"

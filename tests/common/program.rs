@@ -1,0 +1,37 @@
+//! Runs of the `hemicube` program.
+
+use assert_cmd::Command;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// How a run ended.
+#[derive(Debug)]
+pub struct Run {
+    pub code: i32,
+    pub out: String,
+    pub err: String,
+    pub time: Duration,
+}
+
+/// Runs `hemicube` in `folder` with the words of `arguments`.
+pub fn hemicube(folder: &Path, arguments: &str) -> Run {
+    hemicube_with(folder, arguments, &[])
+}
+
+/// The same with environment variables. A run that has not ended after two minutes is killed.
+pub fn hemicube_with(folder: &Path, arguments: &str, variables: &[(&str, &str)]) -> Run {
+    let words: Vec<&str> = arguments.split_whitespace().collect();
+    run(folder, &words, variables)
+}
+
+/// The same with arguments that may hold spaces.
+pub fn run(folder: &Path, arguments: &[&str], variables: &[(&str, &str)]) -> Run {
+    let start = Instant::now();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_hemicube"));
+    command.current_dir(folder).args(arguments).timeout(Duration::from_secs(120));
+    command.envs(variables.iter().copied());
+    let output = command.output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    let code = output.status.code().unwrap_or(-1);
+    Run { code, out: text(output.stdout), err: text(output.stderr), time: start.elapsed() }
+}
