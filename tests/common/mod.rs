@@ -62,7 +62,13 @@ pub fn check_complete(rendered: &Rendered) {
 
 /// All layers of a small square image of a small scene.
 pub fn small(side: u32) -> Settings {
-    Settings { width: side, height: side, planes: Plane::ALL.to_vec(), surface_cells: 1 << 14, ..Settings::default() }
+    Settings {
+        width: side,
+        height: side,
+        planes: Plane::ALL.to_vec(),
+        surface_cells: Some(1 << 14),
+        ..Settings::default()
+    }
 }
 
 /// How far a layer is from a closed form, relative to the closed form's mean.
