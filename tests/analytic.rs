@@ -6,7 +6,7 @@ mod common;
 
 use common::build::{Facing, diffuse, emitter};
 use common::closed_forms::{crosses_box, element, over_square, parallelogram, point_light, polygon, spot_factor};
-use common::{Builder, against, assert_close, look, look_parallel, picture, small};
+use common::{Builder, against, assert_close, each_capture, look, look_parallel, picture, small};
 use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
 use hemicube::image::Picture;
 use hemicube::renderer::Settings;
@@ -347,6 +347,37 @@ fn parallel_plates_after_one_bounce() {
     let near = |p: DVec3| inside(p, 2.0);
     let deviation = against(&picture, "irradiance", TINT, |p, n| near(p).then(|| bounce(p, n)));
     assert_close("parallel plates", deviation, 0.005, 0.05, 0.003);
+}
+
+/// Render passes and compute see the same: each test above runs the device's own choice, this one both.
+#[test]
+fn both_ways_to_capture_agree_with_the_closed_forms() {
+    let mut b = Builder::default();
+    let white = b.material(diffuse(0.8));
+    b.sphere(white, Vec3::ZERO, 1.0, 48, Facing::In);
+    b.light(Light::Point { position: vec3(0.0, -0.5, 0.0), intensity: tinted(3.0) });
+    let sphere = b.build();
+    let mut b = Builder::default();
+    let grey = b.material(diffuse(0.5));
+    b.floor(grey, 0.0, 1.0);
+    b.background(Background::Constant(tinted(3.0)));
+    let floor = b.build();
+    let box_ = cornell();
+    let boxes = each_capture(small(96)).map(|settings| {
+        let settings = Settings { surface_cells: Some(1 << 16), ..settings };
+        let what = format!("{:?}", settings.cache.capture);
+        let inner = picture(&sphere, &look(dvec3(0.0, 0.3, 0.8), dvec3(0.0, 0.0, -1.0), 90.0), &settings);
+        let one_bounce = against(&inner, "irradiance", TINT, |_, _| Some(0.8 * 3.0));
+        assert_close(&format!("{what}: integrating sphere"), one_bounce, 0.005, 0.02, 0.005);
+        let open = picture(&floor, &look(dvec3(0.0, 2.0, 1.5), DVec3::ZERO, 40.0), &settings);
+        let sky = against(&open, "irradiance_direct", TINT, |_, _| Some(3.0 * PI));
+        assert_close(&format!("{what}: sky over a floor"), sky, 1e-5, 1e-4, 1e-5);
+        picture(&box_, &box_.cameras[0], &settings)
+    });
+    let indirect = difference(&boxes[0], &boxes[1], "irradiance");
+    let energy = indirect.energy.unwrap() - 1.0;
+    eprintln!("Cornell box, one way against the other: {:.3} %, energy {:+.3} %", indirect.mae * 1e2, energy * 1e2);
+    assert!(indirect.mae < 0.01 && energy.abs() < 0.003, "{indirect:?}");
 }
 
 // Extremes.

@@ -12,6 +12,7 @@ pub use build::{Builder, look, look_parallel};
 
 use glam::DVec3;
 use hemicube::image::Picture;
+use hemicube::methods::irradiance_cache::CaptureMode;
 use hemicube::passes::resolve::Plane;
 use hemicube::renderer::{Rendered, Settings, render};
 use hemicube::scene::{Camera, Scene};
@@ -69,6 +70,15 @@ pub fn small(side: u32) -> Settings {
         surface_cells: Some(1 << 14),
         ..Settings::default()
     }
+}
+
+/// The settings for each way to capture: render passes, and compute.
+pub fn each_capture(settings: Settings) -> [Settings; 2] {
+    [CaptureMode::Hemicube, CaptureMode::Compute].map(|capture| {
+        let mut settings = settings.clone();
+        settings.cache.capture = capture;
+        settings
+    })
 }
 
 /// How far a layer is from a closed form, relative to the closed form's mean.
