@@ -68,7 +68,7 @@ pub fn render(
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
-    let plan = Plan::of(scene, settings);
+    let plan = Plan::of(scene, settings, Some(device));
     let mut clock = Clock::new();
     let size = [settings.width, settings.height];
     let view = View::new(scene, camera, size);
@@ -76,8 +76,7 @@ pub fn render(
     // What the scene is made of.
     let textures = Textures::new(device, scene)?;
     let textures = textures.as_ref();
-    let compute = plan.captures && settings.cache.capture.wants_compute(device);
-    let geometry = Geometry::new(device, scene, plan.surface_cells, compute)?;
+    let geometry = Geometry::new(device, scene, plan.surface_cells, plan.compute)?;
     let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
     clock.lap("upload scene");
 
@@ -92,7 +91,14 @@ pub fn render(
     let target = Target { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets, direct: direct.as_ref() };
     let lights = build_lights(device, sets, &target, plan.captures && settings.bounces > 0)?;
     // What it reflects.
-    let ground = Ground { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets, sky: sky.as_ref() };
+    let ground = Ground {
+        scene,
+        geometry: &geometry,
+        textures,
+        gbuffer: &gbuffer.targets,
+        sky: sky.as_ref(),
+        in_compute: plan.compute,
+    };
     let counts = settings.planes.contains(&Plane::Records);
     let cache = plan.captures.then(|| IrradianceCache::new(device, &ground, counts, settings.cache)).transpose()?;
     // The image.

@@ -42,7 +42,7 @@ fn describe(scene: &Scene, note: Option<&str>) {
     println!("bounds     {low} to {high}, origin {}", scene.origin);
     note.into_iter().for_each(|note| println!("note       {note}"));
     scene.notes.iter().for_each(|note| println!("note       {note}"));
-    let plan = Plan::of(scene, &Settings::default());
+    let plan = Plan::of(scene, &Settings::default(), None);
     println!("\nruns       {}", plan.run.join(", "));
     for left in &plan.left_out {
         println!("left out   {} ({})", left.pass, left.why);

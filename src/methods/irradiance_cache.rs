@@ -72,7 +72,7 @@ pub enum CaptureMode {
     Auto,
     /// Multi-view render passes.
     Hemicube,
-    /// In compute; an error where that does not fit.
+    /// In compute where that fits (no alpha masks, at most 2¹⁹ triangles), whatever the device.
     Compute,
 }
 
@@ -89,6 +89,8 @@ pub struct Ground<'a> {
     pub gbuffer: &'a Targets,
     /// Background, if it shines.
     pub sky: Option<&'a Buffer>,
+    /// Captures are rasterised in compute, as the plan says.
+    pub in_compute: bool,
 }
 
 /// Passes and buffers of the cache.
@@ -114,7 +116,7 @@ enum Captures {
 impl Captures {
     fn new(device: &Arc<Device>, ground: &Ground<'_>, settings: &CacheSettings) -> Result<(Self, u32)> {
         let (size, geometry) = (settings.capture_size, ground.geometry);
-        if settings.capture.wants_compute(device) && CaptureCompute::fits(device, geometry, size) {
+        if geometry.corners.is_some() && ground.in_compute {
             let capacity = batch_size(size);
             return Ok((Self::Compute(Box::new(CaptureCompute::new(device, geometry, size, capacity)?)), capacity));
         }

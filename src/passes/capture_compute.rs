@@ -39,13 +39,11 @@ pub struct CaptureCompute {
 }
 
 impl CaptureCompute {
-    /// Whether this way of capturing fits: no alpha masks, few enough triangles, faces that fit into shared memory.
-    pub fn fits(device: &Device, geometry: &Geometry, size: u32) -> bool {
+    /// Whether hemicubes of `size` texels a side in a scene of so many triangles fit: a face into shared memory, a
+    /// triangle's number beside its depth. (Alpha masks are not tested here: the plan knows of them.)
+    pub fn holds(device: &Device, triangles: usize, size: u32) -> bool {
         let shared = size * size * 4 + 8;
-        geometry.corners.is_some()
-            && geometry.ranges.iter().all(|r| r.masked.is_none())
-            && id_bits(geometry) <= MOST_ID_BITS
-            && shared <= device.capabilities.limits.max_compute_shared_memory_size
+        id_bits(triangles as u32) <= MOST_ID_BITS && shared <= device.capabilities.limits.max_compute_shared_memory_size
     }
 
     /// Captures up to `capacity` hemicubes of `size` texels a side.
@@ -59,7 +57,7 @@ impl CaptureCompute {
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let constants = Specialisation(vec![size, id_bits(geometry)]);
+        let constants = Specialisation(vec![size, id_bits(geometry.triangle_count)]);
         let code = spirv!("capture_compute", "capture_compute.comp");
         let push = Push {
             cluster_count: geometry.cluster_count,
@@ -80,7 +78,7 @@ impl CaptureCompute {
 }
 
 /// Bits that number every triangle; at least 5, so that depth takes the other 27.
-fn id_bits(geometry: &Geometry) -> u32 {
+fn id_bits(triangles: u32) -> u32 {
     const { assert!(CLUSTER == 64, "a workgroup takes a cluster") };
-    (u32::BITS - geometry.triangle_count.leading_zeros()).max(5)
+    (u32::BITS - triangles.leading_zeros()).max(5)
 }

@@ -2,8 +2,10 @@
 
 use super::Settings;
 use crate::passes::capture::WHOLE_SCENE;
+use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::resolve::Plane;
 use crate::scene::{Background, Light, Scene};
+use crate::vk::Device;
 use glam::Vec3;
 
 /// A part that does not run.
@@ -30,13 +32,17 @@ pub struct Plan {
     pub sky: bool,
     /// Records are captured.
     pub captures: bool,
+    /// They are captured in compute.
+    pub compute: bool,
     /// Cells that the surface is cut into; one a triangle where no capture reads them.
     pub surface_cells: u32,
 }
 
 impl Plan {
     /// Plans a frame of `scene`.
-    pub fn of(scene: &Scene, settings: &Settings) -> Self {
+    ///
+    /// Without a device, captures are taken to be render passes.
+    pub fn of(scene: &Scene, settings: &Settings, device: Option<&Device>) -> Self {
         let facts = Facts::of(scene);
         let full = settings.full_plan;
         let mut plan = Self::default();
@@ -54,19 +60,43 @@ impl Plan {
         plan.captures = indirect || plan.sky;
         let why = if settings.bounces == 0 { "no bounces are asked for" } else { "nothing shines" };
         plan.part("surface_light", indirect, why);
-        for pass in ["place_records", "capture", "integrate", "splat", "find_uncovered"] {
+        plan.compute = plan.captures
+            && !facts.masked
+            && device.is_some_and(|d| {
+                let size = settings.cache.capture_size;
+                settings.cache.capture.wants_compute(d) && CaptureCompute::holds(d, scene.triangles.len(), size)
+            });
+        for pass in ["find_uncovered", "place_records"] {
+            plan.part(pass, plan.captures, why);
+        }
+        if plan.captures {
+            plan.capture_parts(scene);
+        } else {
+            plan.part("capture", false, why);
+        }
+        for pass in ["integrate", "splat"] {
             plan.part(pass, plan.captures, why);
         }
         plan.surface_cells =
             if indirect { settings.surface_cells.unwrap_or_else(|| cells(scene, settings)) } else { 1 };
         if plan.captures {
-            let few = format!("{} triangles are drawn whole", scene.triangles.len());
-            plan.part("cull", scene.triangles.len() > WHOLE_SCENE as usize, few);
             let counted = settings.planes.contains(&Plane::Records);
             plan.part("record counts", counted, "the layer \"records\" is not asked for");
         }
         plan.run.push("resolve");
         plan
+    }
+
+    /// How records look at the scene, and what that leaves out.
+    fn capture_parts(&mut self, scene: &Scene) {
+        let triangles = scene.triangles.len();
+        if self.compute {
+            self.part("capture", false, "captures are rasterised in compute");
+            self.part("capture_compute", true, "");
+        } else {
+            self.part("cull", triangles > WHOLE_SCENE as usize, format!("{triangles} triangles are drawn whole"));
+            self.part("capture", true, "");
+        }
     }
 
     /// Notes `part` as run or left out; returns whether it runs.

@@ -51,7 +51,7 @@ impl Report {
         } else if !scene.notes.is_empty() {
             println!("note: {} remarks on the file; -v shows them", scene.notes.len());
         }
-        let plan = Plan::of(scene, settings);
+        let plan = Plan::of(scene, settings, Some(&self.device));
         println!("plan: {}", plan.run.join(", "));
         for left in &plan.left_out {
             println!("left out: {} ({})", left.pass, left.why);
