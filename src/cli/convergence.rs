@@ -83,7 +83,7 @@ pub struct ConvergenceArgs {
     /// Layer of --reference with the irradiance after one bounce; default: b1, else irradiance
     #[arg(long, value_name = "NAME", requires = "reference", help_heading = "Reference")]
     layer: Option<String>,
-    /// Time to make a reference in; default 120, with --quick 25
+    /// Time to make a reference in; default 120, with --quick 45
     #[arg(long, value_name = "SECONDS", value_parser = parse_positive, conflicts_with = "reference", help_heading = "Reference")]
     reference_time: Option<f64>,
     /// The error that charts show: all of them are in the table
@@ -211,7 +211,7 @@ impl ConvergenceArgs {
     }
 
     fn reference_seconds(&self) -> f64 {
-        self.reference_time.unwrap_or(if self.quick { 25.0 } else { 120.0 })
+        self.reference_time.unwrap_or(if self.quick { 45.0 } else { 120.0 })
     }
 
     /// Name of the scene, as the peers' script calls it.

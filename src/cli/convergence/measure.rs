@@ -6,9 +6,7 @@ use super::truth::Truth;
 use anyhow::{Result, bail};
 use hemicube::image::metrics::{measure, measure_flip};
 use hemicube::image::{Kind, Layer, Picture};
-use hemicube::reference::{
-    Meter, Progressive, Settings as PathSettings, Stop, Tracer, View, batch_for, process_time, ward,
-};
+use hemicube::reference::{Meter, Progressive, Settings as PathSettings, Stop, Tracer, View, process_time, ward};
 use hemicube::renderer::{Rendered, render};
 use hemicube::report::convergence::{Point, median_and_spread, peak_memory, reset_peak_memory, short};
 use hemicube::scene::{Camera, Scene};
@@ -228,7 +226,7 @@ impl Bench<'_> {
     }
 
     fn paths(&self, spp: u32, bounces: u32) -> (Picture, Seconds) {
-        let settings = PathSettings { bounces, seed: PATH_SEED, batch: batch_for(spp) };
+        let settings = PathSettings { bounces, seed: PATH_SEED, batch: spp.min(1024) };
         let mut run = Progressive::new(self.tracer, self.view(), settings);
         let meter = Meter::start(self.tracer);
         let Ok(_) = run.run(&Stop { spp: Some(spp), ..Stop::default() }, |_| Ok::<(), Infallible>(()));
