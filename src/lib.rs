@@ -1,7 +1,43 @@
-//! Global illumination by rasterisation alone, on raw Vulkan.
+//! Global illumination by rasterisation alone, on raw Vulkan: irradiance-cache splatting.
 //!
-//! Data goes one way: file → [`scene`] → needs → plan → GPU scene → G-buffer → records ⇄ captures → accumulation →
-//! [`image`] → report.
+//! # A frame
+//!
+//! Data goes one way: file → [`scene`] → needs → [`renderer::Plan`] → geometry on the device → G-buffer → direct light on
+//! the surfaces → records ⇄ captures → sums → [`image`] → [`report`].
+//!
+//! | room | what is in it | imports |
+//! |---|---|---|
+//! | [`math`] | pure functions: measures, gradients, sequences; CPU twins of the shaders | nothing |
+//! | [`image`] | layered float pictures, EXR and PNG, tone mapping, error metrics | nothing |
+//! | [`scene`] | glTF in; meshes, materials, lights, cameras, background | `math` |
+//! | [`mod@reference`] | the truth on the CPU: path tracer, Ward's octree cache | `scene`, `math`, `image` |
+//! | [`vk`] | Vulkan made plain; every `unsafe` of the renderer | nothing |
+//! | [`passes`] | one file a GPU pass, its shaders in `glsl/<same name>/` | `vk`, `scene`, `math` |
+//! | [`methods`] | techniques: passes composed | `passes` |
+//! | [`renderer`] | the plan and the frame: what a scene needs, passes in order | `methods` |
+//! | [`report`] | profile, statistics, trace, progress | `image` |
+//!
+//! # Use
+//!
+//! ```
+//! use hemicube::{renderer, scene, vk};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scene = scene::cornell(); // or scene::load(path)?
+//! let (camera, _) = scene.camera(None)?;
+//! let device = vk::Device::new(vk::Instance::new(false)?, &vk::DeviceChoice::Best)?;
+//! let settings = renderer::Settings { width: 64, height: 64, ..Default::default() };
+//! let frame = renderer::render(&device, &scene, &camera, &settings, &mut |_stage, _done, _all| {})?;
+//! let [red, _green, _blue] = frame.picture.rgb("").expect("a picture has its colour");
+//! assert!(frame.cache.records > 0 && red.iter().any(|r| *r > 0.0));
+//! for pass in &frame.passes {
+//!     println!("{}: {:?}", pass.name, pass.gpu);
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Units are glTF's, taken as radiometric RGB: radiance in W·sr⁻¹·m⁻², irradiance in W·m⁻², lengths in scene units.
 
 pub mod image;
 pub mod math;

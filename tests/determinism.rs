@@ -87,7 +87,7 @@ fn doubling_width_and_height_keeps_the_light() {
     let scene = cornell();
     let camera = &scene.cameras[0];
     let mean = |side: u32| {
-        let picture = common::picture(&scene, camera, &Settings { surface_cells: 1 << 16, ..small(side) });
+        let picture = common::picture(&scene, camera, &Settings { surface_cells: Some(1 << 16), ..small(side) });
         let mask = picture.scalar("mask").unwrap();
         let lit = mask.iter().filter(|m| **m == 1.0).count() as f64;
         ["irradiance", "irradiance_direct", ""].map(|layer| {

@@ -75,8 +75,8 @@ pub struct RenderArgs {
     /// Weight of a record at a point
     #[arg(long, value_enum, default_value = "bounded", help_heading = "Irradiance cache")]
     weight: WeightArg,
-    /// Smallest radius of a record's zone of influence in pixels
-    #[arg(long, value_name = "PIXELS", help_heading = "Irradiance cache")]
+    /// Smallest radius of a record's zone of influence as a share of the image's height; never below two pixels
+    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
     min_radius: Option<f32>,
     /// Largest radius of a record's zone of influence as a share of the image's height
     #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]

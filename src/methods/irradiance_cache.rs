@@ -16,6 +16,8 @@ use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Memory, Result};
 use std::sync::Arc;
 
+/// Smallest radius of a zone of influence in pixels: a record covers its neighbours, whatever the settings.
+const SMALLEST_RADIUS: f32 = 2.0;
 /// First lattice's distance between pixels.
 const COARSEST: u32 = 32;
 
@@ -30,7 +32,7 @@ pub struct CacheSettings {
     pub capture_size: u32,
     /// Gradients to extrapolate with.
     pub gradients: Gradients,
-    /// Smallest radius of a zone of influence in pixels.
+    /// Smallest radius of a zone of influence as a share of the image's height; never below two pixels.
     pub min_radius: f32,
     /// Largest radius as a share of the image's height; never below the smallest.
     pub max_radius: f32,
@@ -192,10 +194,12 @@ impl IrradianceCache {
         let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight)?;
         let find = FindUncovered::new(device, gbuffer, &splat.sums.indirect)?;
         let place = PlaceRecords::new(device, gbuffer, &find.found, captures.frames(), &records)?;
+        let height = gbuffer.position.desc.size[1] as f32;
+        let min_radius = (settings.min_radius * height).max(SMALLEST_RADIUS);
         let limits = Limits {
             accuracy: settings.accuracy,
-            min_radius: settings.min_radius,
-            max_radius: (settings.max_radius * gbuffer.position.desc.size[1] as f32).max(settings.min_radius),
+            min_radius,
+            max_radius: (settings.max_radius * height).max(min_radius),
             scene_radius: geometry.radius,
         };
         let captured = (&captures.captured(), settings.capture_size, capacity);

@@ -40,7 +40,7 @@ impl Default for Settings {
                 capture: CaptureMode::Auto,
                 capture_size: 32,
                 gradients: Gradients { rotation: true, translation: true },
-                min_radius: 2.5,
+                min_radius: 0.006,
                 max_radius: 0.05,
                 weight: Weight::Bounded,
                 covered: 0.3,

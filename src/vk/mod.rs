@@ -4,7 +4,7 @@
 //! be dropped only when the GPU is done with it: every submission here is waited for ([`Commands::finish`]), so the rule
 //! holds wherever a value outlives the command recording that names it.
 //!
-//! Synchronisation: [`pass::Passes::begin`] stands between passes with a full memory barrier, so that each pass sees all
+//! Synchronisation: [`pass::Recording::pass`] stands between passes with a full memory barrier, so that each pass sees all
 //! that went before; within a pass, render passes state their own dependencies and [`barrier`] has the rest.
 
 pub mod barrier;

@@ -12,6 +12,7 @@ pub use build::{Builder, look, look_parallel};
 
 use glam::DVec3;
 use hemicube::image::Picture;
+use hemicube::methods::irradiance_cache::CaptureMode;
 use hemicube::passes::resolve::Plane;
 use hemicube::renderer::{Rendered, Settings, render};
 use hemicube::scene::{Camera, Scene};
@@ -62,7 +63,22 @@ pub fn check_complete(rendered: &Rendered) {
 
 /// All layers of a small square image of a small scene.
 pub fn small(side: u32) -> Settings {
-    Settings { width: side, height: side, planes: Plane::ALL.to_vec(), surface_cells: 1 << 14, ..Settings::default() }
+    Settings {
+        width: side,
+        height: side,
+        planes: Plane::ALL.to_vec(),
+        surface_cells: Some(1 << 14),
+        ..Settings::default()
+    }
+}
+
+/// The settings for each way to capture: render passes, and compute.
+pub fn each_capture(settings: Settings) -> [Settings; 2] {
+    [CaptureMode::Hemicube, CaptureMode::Compute].map(|capture| {
+        let mut settings = settings.clone();
+        settings.cache.capture = capture;
+        settings
+    })
 }
 
 /// How far a layer is from a closed form, relative to the closed form's mean.
