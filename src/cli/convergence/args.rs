@@ -8,8 +8,8 @@ use std::path::PathBuf;
 ///
 /// Renders the indirect irradiance of a view (one bounce) by irradiance splatting, by Ward's cache on the CPU and by path
 /// tracing, each with several settings, and measures how long it takes and how far it is from a reference. The folder gets
-/// a table (points.csv), charts of error against processor time and clock time (error-cpu.svg, error-wall.svg) and a page
-/// with all of it and pictures (index.html). A point that is in the table already is not run again, so a run that was
+/// a table (points.csv), charts of error against processor time and clock time (error-cpu.svg, error-wall.svg; settings of
+/// splatting by themselves in splatting.svg) and a page with all of it and pictures (index.html). A point that is in the table already is not run again, so a run that was
 /// broken off goes on where it was.
 #[derive(Args, Debug)]
 #[command(after_long_help = HELP)]

@@ -46,11 +46,12 @@ pub fn write(
         let noise = truth.noise.filter(|_| args.error.column() == "mae");
         let axes = Axes { time, error: args.error.column().into(), error_name: args.error.words().into(), noise };
         let subtitle = format!("one bounce; {device}");
-        let svg = chart(&title, &subtitle, points, &axes).svg();
+        let svg = chart(&title, &subtitle, points, &axes, Point::series).svg();
         write_atomic(&folder.path.join(file), |sink| sink.write_all(svg.as_bytes()))?;
         best.extend(front(points, time, args.error.column()));
         charts.push(svg);
     }
+    charts.extend(settings_chart(args, folder, truth)?);
     let page = Page {
         title,
         facts: facts(truth, device),
@@ -67,6 +68,26 @@ pub fn write(
         println!("{} points; wrote {} with its table and charts beside it", points.len(), file.display());
     }
     Ok(())
+}
+
+/// Splatting alone, a line for each way to capture; none where there is only one.
+fn settings_chart(args: &ConvergenceArgs, folder: &Folder, truth: &Truth) -> Result<Option<String>> {
+    let own: Vec<Point> = folder.points.iter().filter(|p| p.text("method") == "splatting").cloned().collect();
+    let variants: BTreeSet<String> = own.iter().map(Point::variant).collect();
+    if variants.len() < 2 {
+        return Ok(None);
+    }
+    let on_cpu = own.iter().any(|point| point.seconds(Time::Cpu).is_some());
+    let axes = Axes {
+        time: if on_cpu { Time::Cpu } else { Time::Wall },
+        error: args.error.column().into(),
+        error_name: args.error.words().into(),
+        noise: truth.noise.filter(|_| args.error.column() == "mae"),
+    };
+    let title = format!("{}: settings of splatting", args.name());
+    let svg = chart(&title, "lines go over the accuracy", &own, &axes, Point::variant).svg();
+    write_atomic(&folder.path.join("splatting.svg"), |sink| sink.write_all(svg.as_bytes()))?;
+    Ok(Some(svg))
 }
 
 fn facts(truth: &Truth, device: String) -> Vec<(&'static str, String)> {

@@ -18,19 +18,22 @@ pub struct Axes {
     pub noise: Option<f64>,
 }
 
-/// Draws `points`; series stand in the order of their first points.
-pub fn chart(title: &str, subtitle: &str, points: &[Point], axes: &Axes) -> Chart {
+/// Draws `points`, a line for each name that `series` gives; they stand in the order of their methods, then of
+/// their first points.
+pub fn chart(title: &str, subtitle: &str, points: &[Point], axes: &Axes, series: impl Fn(&Point) -> String) -> Chart {
+    let series_of = series;
     let places = places(points, axes.time, &axes.error);
     let best = front(points, axes.time, &axes.error);
-    let mut names: Vec<String> = Vec::new();
+    let mut names: Vec<(usize, String)> = Vec::new();
     for &(index, ..) in &places {
-        let name = points[index].series();
-        if !names.contains(&name) {
-            names.push(name);
+        let name = series_of(&points[index]);
+        if !names.iter().any(|(_, known)| *known == name) {
+            names.push((rank(points[index].text("method")), name));
         }
     }
-    let series = names.into_iter().map(|name| {
-        let own: Vec<_> = places.iter().filter(|(index, ..)| points[*index].series() == name).collect();
+    names.sort_by_key(|(rank, _)| *rank);
+    let series = names.into_iter().map(|(_, name)| {
+        let own: Vec<_> = places.iter().filter(|(index, ..)| series_of(&points[*index]) == name).collect();
         let at: Vec<(f64, f64)> = own.iter().map(|(_, t, e)| (*t, *e)).collect();
         let dot = |&&(index, t, e): &&(usize, f64, f64)| Dot {
             at: (t, e),
@@ -51,6 +54,11 @@ pub fn chart(title: &str, subtitle: &str, points: &[Point], axes: &Axes) -> Char
         series: series.collect(),
         levels: axes.noise.map(|at| Level { at, name: "noise of the reference".into() }).into_iter().collect(),
     }
+}
+
+/// Place of a method in every legend.
+fn rank(method: &str) -> usize {
+    ["splatting", "ward", "path", "radiance", "mitsuba"].iter().position(|known| *known == method).unwrap_or(usize::MAX)
 }
 
 fn describe(point: &Point, axes: &Axes, (time, error): (f64, f64)) -> String {
@@ -81,7 +89,7 @@ mod tests {
             sample("path", 0.2, 8.0, 0.02),
         ];
         let axes = Axes { time: Time::Cpu, error: "mae".into(), error_name: "e".into(), noise: Some(0.01) };
-        let chart = chart("t", "s", &points, &axes);
+        let chart = chart("t", "s", &points, &axes, Point::series);
         assert_eq!(chart.series.len(), 2);
         assert_eq!(chart.series[0].line, [(0.1, 0.1), (1.0, 0.03)]);
         let ringed = |s: &Series| s.dots.iter().map(|dot| dot.ringed).collect::<Vec<_>>();

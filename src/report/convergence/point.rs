@@ -167,6 +167,18 @@ impl Point {
             .join(", ")
     }
 
+    /// The settings of [`Point::words`] but the one that is swept, the accuracy; in few letters.
+    pub fn variant(&self) -> String {
+        let settings = self.settings();
+        let text = |name: &str| settings.get(name).map(|value| value.to_string().trim_matches('"').to_owned());
+        let words = [
+            text("capture"),
+            text("capture_size").map(|size| format!("{size} texels")),
+            text("gradients").map(|which| if which == "none" { "no gradients".into() } else { "gradients".into() }),
+        ];
+        words.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+
     /// Name of the line that the point belongs to: its method, with the number of threads where it is one of a peer's.
     pub fn series(&self) -> String {
         let name = method_name(self.text("method"));
@@ -236,6 +248,7 @@ pub(super) mod tests {
         b = a.clone();
         b.set("settings", r#"{"accuracy": 0.3,   "capture": "compute"}"#);
         assert_eq!((a.key(), a.words().as_str()), (b.key(), "accuracy 0.3, capture compute"));
+        assert_eq!(a.variant(), "compute");
     }
 
     #[test]

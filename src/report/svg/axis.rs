@@ -23,9 +23,13 @@ impl Axis {
         self.from + (self.to - self.from) * (value.log10() - self.low) / (self.high - self.low)
     }
 
-    /// Values of 1, 2 and 5 times powers of ten within the axis; 1 alone where that would be many.
+    /// Values of 1, 2 and 5 times powers of ten within the axis; 1 alone where that would be many, more where few.
     pub fn ticks(&self) -> Vec<f64> {
-        let steps: &[f64] = if self.high - self.low > 3.2 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let steps: &[f64] = match self.high - self.low {
+            long if long > 3.2 => &[1.0],
+            short if short < 1.2 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0],
+            _ => &[1.0, 2.0, 5.0],
+        };
         let decades = self.low.floor() as i32..=self.high.ceil() as i32;
         let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
         all.filter(|value| (self.low..=self.high).contains(&value.log10())).collect()
@@ -35,6 +39,8 @@ impl Axis {
 /// A tick's value with the digits that it needs.
 pub fn number(value: f64) -> String {
     let digits = (-value.log10().floor()).clamp(0.0, 9.0) as usize;
+    // One digit more for 1.5 times a power of ten.
+    let digits = if (value * 10f64.powi(digits as i32)).fract().abs() > 0.3 { digits + 1 } else { digits };
     format!("{value:.digits$}")
 }
 
@@ -49,6 +55,9 @@ mod tests {
             assert!((100.0..=500.0).contains(&axis.place(low)) && (100.0..=500.0).contains(&axis.place(high)));
             assert!((2..24).contains(&axis.ticks().len()), "{:?}", axis.ticks());
         }
-        assert_eq!([0.02, 0.5, 20.0, 1.0].map(number), ["0.02", "0.5", "20", "1"]);
+        assert_eq!(
+            [0.02, 0.5, 20.0, 1.0, 0.015, 1.5, 15.0].map(number),
+            ["0.02", "0.5", "20", "1", "0.015", "1.5", "15"]
+        );
     }
 }
