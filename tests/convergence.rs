@@ -143,6 +143,7 @@ fn bad_input_is_one_clear_line() {
         ("-o out --width 0", "0 × "),
         ("-o out --methods path,magic", "magic"),
         ("-o out --spp 0", "--spp"),
+        ("-o out --width 8 --reference-time 0.1 --capture-size 7", "--capture-size 7"),
         ("-o out --accuracy nan", "--accuracy"),
     ] {
         let (code, out, error) = convergence(folder.path(), arguments);

@@ -84,18 +84,15 @@ fn size(args: &ConvergenceArgs, camera: &Camera, reference: Option<(u32, u32)>) 
 /// Measures what the folder does not have yet; returns the device's name if one was opened.
 fn measure_all(bench: &mut Bench, folder: &mut Folder) -> Result<Option<String>> {
     let args = bench.args;
-    let mut device = None;
-    let mut on_cpu = true;
-    if args.methods.contains(&MethodArg::Splatting) {
-        let opened = args.device.open()?;
-        on_cpu = opened.is_cpu();
-        device = Some(format!("{} ({})", opened.physical.name, opened.physical.driver.trim()));
+    let opened = if args.methods.contains(&MethodArg::Splatting) { Some(args.device.open()?) } else { None };
+    let tasks = task::tasks(args, opened.as_ref().is_none_or(|device| device.is_cpu()));
+    if let Some(device) = &opened {
+        tasks.iter().try_for_each(|task| task.renderer(bench.size).check(device))?;
     }
+    let device = opened.map(|device| format!("{} ({})", device.physical.name, device.physical.driver.trim()));
     let name = device.as_deref().unwrap_or_default();
-    let missing: Vec<Task> = task::tasks(args, on_cpu)
-        .into_iter()
-        .filter(|task| !folder.has(&bench.empty_point(task, name).key()))
-        .collect();
+    let missing: Vec<Task> =
+        tasks.into_iter().filter(|task| !folder.has(&bench.empty_point(task, name).key())).collect();
     if let Some(load) = Machine::load().filter(|load| *load > 0.5 && !missing.is_empty() && !args.quiet) {
         eprintln!("note: this machine is busy with something else (load {load:.1}): clock times will be too long");
     }

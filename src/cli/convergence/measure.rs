@@ -186,7 +186,7 @@ impl Bench<'_> {
     }
 
     fn ward(&self, task: &Task) -> Runs {
-        let settings = task.ward(self.size.1);
+        let settings = task.ward();
         let mut last = None;
         let times = self.repeat(|| {
             let result = ward(self.tracer, self.view(), &settings, DIRECT_SPP, |_, _| ());

@@ -58,7 +58,7 @@ impl Task {
         let value = match *self {
             Self::Splatting { .. } => splatting_settings(self, size),
             Self::Ward { .. } => {
-                let s = self.ward(size.1);
+                let s = self.ward();
                 json!({
                     "accuracy": s.accuracy, "rays": s.rays, "gradients": "both", "weight": "ward",
                     "min_radius": s.min_radius, "max_radius": s.max_radius, "gradient_limit": s.gradient_limit,
@@ -73,9 +73,11 @@ impl Task {
     /// Work that a point takes, in units that mean something within a method: for the time that is left.
     pub fn work(&self) -> f64 {
         match *self {
-            // Records grow with 1/a², towards one a pixel.
-            Self::Splatting { accuracy, size, .. } => (1.0 + 0.3 / accuracy.powi(2)) * (1.0 + f64::from(size) / 32.0),
-            Self::Ward { accuracy, rays } => f64::from(rays) * accuracy.powi(-2),
+            // As fitted to the Cornell box: records grow with 1/a² until the smallest radius holds them back.
+            Self::Splatting { accuracy, size, .. } => {
+                (1.0 + 0.04 * accuracy.powi(-2)) * (1.0 + (f64::from(size) / 32.0).powi(2))
+            }
+            Self::Ward { accuracy, rays } => f64::from(rays) * (1.0 + 0.1 * accuracy.powi(-2)),
             Self::Path { spp } => f64::from(spp),
         }
     }
@@ -97,7 +99,7 @@ impl Task {
     }
 
     /// Settings of the cache for a point of Ward's.
-    pub fn ward(&self, _height: u32) -> ward::Settings {
+    pub fn ward(&self) -> ward::Settings {
         match *self {
             Self::Ward { accuracy, rays } => ward::Settings { accuracy, rays, ..ward::Settings::default() },
             _ => ward::Settings::default(),
