@@ -110,6 +110,7 @@ pub fn render(
     };
     let resolve = Resolve::new(device, &inputs, &settings.planes)?;
     clock.lap("build passes");
+    on_progress("build passes", 1, 1);
 
     let mut recorder = Recorder::new(device);
     recorder.submit(|recording| {

@@ -4,6 +4,7 @@
 
 mod common;
 mod compare;
+mod convergence;
 mod info;
 mod reference;
 mod render;
@@ -24,6 +25,7 @@ pub struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
+    Convergence(Box<convergence::ConvergenceArgs>),
     Info(info::InfoArgs),
     Reference(Box<reference::ReferenceArgs>),
 }
@@ -33,6 +35,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Convergence(args) => convergence::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Reference(args) => reference::run(&args),
     }

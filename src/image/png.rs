@@ -25,12 +25,15 @@ pub fn write_false_colour(path: &Path, width: u32, height: u32, values: &[f32], 
 
 /// Writes 8-bit sRGB code values, three a pixel, row 0 at the top.
 pub fn write_codes(path: &Path, width: u32, height: u32, codes: &[u8]) -> Result<(), WriteError> {
-    write_atomic(path, |sink| {
-        let encoder = PngEncoder::new(sink);
-        encoder.write_image(codes, width, height, ExtendedColorType::Rgb8).map_err(|error| match error {
-            image::ImageError::IoError(error) => error,
-            other => io::Error::other(other),
-        })
+    write_atomic(path, |sink| encode(sink, width, height, codes))
+}
+
+/// A PNG file of 8-bit sRGB code values, into any sink.
+pub fn encode(sink: impl io::Write, width: u32, height: u32, codes: &[u8]) -> io::Result<()> {
+    let encoder = PngEncoder::new(sink);
+    encoder.write_image(codes, width, height, ExtendedColorType::Rgb8).map_err(|error| match error {
+        image::ImageError::IoError(error) => error,
+        other => io::Error::other(other),
     })
 }
 

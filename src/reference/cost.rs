@@ -44,7 +44,7 @@ impl Meter {
 }
 
 /// User and system time of this process, where /proc tells (proc(5): fields 14 and 15, in ticks of 10 ms).
-fn process_time() -> Option<Duration> {
+pub fn process_time() -> Option<Duration> {
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     // The program's name stands in parentheses and may hold spaces.
     let mut fields = stat.rsplit_once(')')?.1.split_whitespace().skip(11);

@@ -27,7 +27,7 @@ mod tracer;
 mod view;
 pub mod ward;
 
-pub use cost::{Cost, Meter};
+pub use cost::{Cost, Meter, process_time};
 pub use film::Estimate;
 pub use path::Layers;
 pub use progressive::{Progressive, Settings, batch_for, irradiance_at, open_batch};

@@ -81,7 +81,7 @@ impl Progressive<'_, '_> {
     }
 
     /// A number that differs for anything that the sums depend on, the batch size left out.
-    fn fingerprint(&self) -> u64 {
+    pub fn fingerprint(&self) -> u64 {
         let mut hash = Fnv::default();
         hash.scene(self.tracer.scene);
         hash.text(&format!("{:?} {} {}", self.view, self.settings.bounces, self.settings.seed));

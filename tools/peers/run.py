@@ -7,6 +7,7 @@ viewer's side. What is done to be fair to each stands at the top of radiance.py 
 
   tools/setup.sh --peers
   tools/peers/run.py scene.gltf --reference truth.exr -o points.csv
+  hemicube convergence scene.gltf --reference truth.exr -o DIR --peers points.csv    shows them beside our own
 
 On its first run it makes a Python environment (target/peers/venv) with the peers in it. Points that the CSV holds already
 are not run again. A Markdown table of all its points is printed at the end.
@@ -24,6 +25,7 @@ Columns of the CSV:
   mae rms relmse p95 p99 max energy block_mae block_rms non_finite_test
                                   error against the reference, as hemicube compare defines it
   reference, version              file compared with; program and version
+hemicube convergence writes the same columns, and some more.
 """
 
 from __future__ import annotations
@@ -61,7 +63,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument(
         "--reference", type=Path, required=True, metavar="FILE.exr",
         help="truth, which also gives the image's size: layers b1, b2, … (irradiance after exactly so many bounces) or "
-        "irradiance; pixels count where mask.R is above one half, or where that layer is not black",
+        "irradiance (hemicube convergence keeps one as DIR/reference.exr); pixels count where mask is above one half, or "
+        "where that layer is not black",
     )
     parser.add_argument("-o", "--output", type=Path, default=Path("peers.csv"), metavar="FILE.csv", help="default: %(default)s")
     parser.add_argument("--peers", default="radiance,mitsuba", metavar="LIST", help="default: %(default)s")
@@ -118,7 +121,8 @@ def read_reference(path: Path, bounces: int) -> tuple[NDArray[Any], NDArray[Any]
         truth = sum((layer(f"b{k}") for k in range(1, bounces + 1)), np.zeros(pixels.shape[:2] + (3,)))
     else:
         truth = layer("irradiance")
-    mask = channels["mask.R"] > 0.5 if "mask.R" in channels else truth.max(axis=2) > 0
+    masks = [channels[name] for name in ("mask", "mask.R", "mask.Y") if name in channels]
+    mask = masks[0] > 0.5 if masks else truth.max(axis=2) > 0
     return truth, mask
 
 
