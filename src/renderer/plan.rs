@@ -54,6 +54,7 @@ impl Plan {
             plan.part(part, present, why);
         }
         plan.lights = facts.is_lit() || full;
+        plan.part("shadow", plan.lights, "no lights");
         plan.part("pixel_light", plan.lights, "no lights");
         plan.sky = plan.part("sky", facts.sky || full, "the background is black");
         let indirect = settings.bounces > 0 && (plan.lights || plan.sky);
@@ -70,13 +71,17 @@ impl Plan {
             plan.part(pass, plan.captures, why);
         }
         if plan.captures {
-            plan.capture_parts(scene);
+            plan.capture_parts();
         } else {
             plan.part("capture", false, why);
         }
         for pass in ["integrate", "splat"] {
             plan.part(pass, plan.captures, why);
         }
+        let triangles = scene.triangles.len();
+        let drawn = plan.lights || (plan.captures && !plan.compute);
+        let whole = if drawn { format!("{triangles} triangles are drawn whole") } else { "nothing to cull for".into() };
+        plan.part("cull", drawn && triangles > WHOLE_SCENE as usize, whole);
         plan.surface_cells =
             if indirect { settings.surface_cells.unwrap_or_else(|| cells(scene, settings)) } else { 1 };
         if plan.captures {
@@ -88,13 +93,11 @@ impl Plan {
     }
 
     /// How records look at the scene, and what that leaves out.
-    fn capture_parts(&mut self, scene: &Scene) {
-        let triangles = scene.triangles.len();
+    fn capture_parts(&mut self) {
         if self.compute {
             self.part("capture", false, "captures are rasterised in compute");
             self.part("capture_compute", true, "");
         } else {
-            self.part("cull", triangles > WHOLE_SCENE as usize, format!("{triangles} triangles are drawn whole"));
             self.part("capture", true, "");
         }
     }
