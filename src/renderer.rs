@@ -11,8 +11,9 @@ pub use plan::{LeftOut, Plan};
 pub use settings::{Settings, SettingsError};
 
 use crate::image::Picture;
-use crate::methods::direct::{DirectLight, Extent, LightSet, Target, TooManyLights, light_sets};
-use crate::methods::irradiance_cache::{CacheStats, Ground, IrradianceCache};
+use crate::methods::Ground;
+use crate::methods::direct::{DirectLight, Extent, LightSet, TooManyLights, light_sets};
+use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
@@ -88,19 +89,12 @@ pub fn render(
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let direct =
         plan.lights.then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device)).transpose()?;
-    let target = Target { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets, direct: direct.as_ref() };
-    let lights = build_lights(device, sets, &target, plan.captures && settings.bounces > 0)?;
+    let ground = Ground { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets };
+    let lights = build_lights(device, sets, &ground, direct.as_ref(), plan.captures && settings.bounces > 0)?;
     // What it reflects.
-    let ground = Ground {
-        scene,
-        geometry: &geometry,
-        textures,
-        gbuffer: &gbuffer.targets,
-        sky: sky.as_ref(),
-        in_compute: plan.compute,
-    };
-    let counts = settings.planes.contains(&Plane::Records);
-    let cache = plan.captures.then(|| IrradianceCache::new(device, &ground, counts, settings.cache)).transpose()?;
+    let counts_records = settings.planes.contains(&Plane::Records);
+    let features = Features { sky: sky.as_ref(), in_compute: plan.compute, counts_records };
+    let cache = plan.captures.then(|| IrradianceCache::new(device, &ground, features, settings.cache)).transpose()?;
     // The image.
     let inputs = Inputs {
         gbuffer: &gbuffer.targets,
@@ -129,7 +123,7 @@ pub fn render(
     let total = lights.iter().map(DirectLight::sample_count).sum::<usize>() as u64;
     let mut lit = 0;
     for light in &lights {
-        light.run(&mut recorder, &target, |samples| {
+        light.run(&mut recorder, &ground, |samples| {
             lit += samples as u64;
             on_progress("direct light", lit, total);
         })?;
@@ -171,11 +165,12 @@ pub fn render(
 fn build_lights(
     device: &Arc<Device>,
     sets: Vec<LightSet>,
-    target: &Target<'_>,
+    ground: &Ground<'_>,
+    direct: Option<&Buffer>,
     cells: bool,
 ) -> Result<Vec<DirectLight>, VulkanError> {
     let needed = |set: &LightSet| cells || !set.cells_only;
-    sets.into_iter().filter(needed).map(|set| DirectLight::new(device, set, target, cells)).collect()
+    sets.into_iter().filter(needed).map(|set| DirectLight::new(device, set, ground, direct, cells)).collect()
 }
 
 fn upload_sky(device: &Arc<Device>, background: &Background) -> Result<Buffer, VulkanError> {

@@ -1,13 +1,10 @@
 //! Direct light: every light sample's shadow is rendered once, in batches, and lights the surface cells and the pixels.
 
+use super::Ground;
 pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooManyLights, light_sets};
 use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
-use crate::passes::gbuffer::Targets;
-use crate::passes::geometry::Geometry;
-use crate::passes::material::Textures;
 use crate::passes::pixel_light::PixelLight;
 use crate::passes::surface_light::{Batch, SurfaceLight};
-use crate::scene::Scene;
 use crate::vk::gpu_types::LightSample;
 use crate::vk::pass::Recorder;
 use crate::vk::{Buffer, Device, Memory, Result};
@@ -17,29 +14,6 @@ use std::sync::Arc;
 const SHADOW_BUDGET: u64 = 128 << 20;
 /// Fewest points of a cell that a light is evaluated at, over all its samples.
 const POINTS_IN_CELL: u32 = 16;
-
-/// What direct light is computed for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Receivers {
-    /// Surface cells: needed by captures.
-    pub cells: bool,
-    /// Pixels.
-    pub pixels: bool,
-}
-
-/// What the renderer has on the GPU.
-pub struct Target<'a> {
-    /// Scene on the CPU.
-    pub scene: &'a Scene,
-    /// Geometry and cells.
-    pub geometry: &'a Geometry,
-    /// Textures.
-    pub textures: Option<&'a Textures>,
-    /// G-buffer.
-    pub gbuffer: &'a Targets,
-    /// Direct irradiance, four floats a pixel; `None` where no light reaches pixels directly.
-    pub direct: Option<&'a Buffer>,
-}
 
 /// Passes for one set of lights.
 pub struct DirectLight {
@@ -53,7 +27,15 @@ pub struct DirectLight {
 
 impl DirectLight {
     /// Builds the passes that `set` needs.
-    pub fn new(device: &Arc<Device>, set: LightSet, target: &Target<'_>, cells: bool) -> Result<Self> {
+    ///
+    /// `direct` holds direct irradiance, four floats a pixel; `cells` says whether captures will read the surface cells.
+    pub fn new(
+        device: &Arc<Device>,
+        set: LightSet,
+        ground: &Ground<'_>,
+        direct: Option<&Buffer>,
+        cells: bool,
+    ) -> Result<Self> {
         let tile = u64::from(set.shadow_size).pow(2) * u64::from(set.views.count()) * 4;
         let capacity = (SHADOW_BUDGET / tile).clamp(1, set.samples.len() as u64) as u32;
         let desc = CaptureDesc {
@@ -62,9 +44,9 @@ impl DirectLight {
             size: set.shadow_size,
             capacity,
             identity: false,
-            culled: pays_to_cull(device, target.geometry.triangle_count),
+            culled: pays_to_cull(device, ground.geometry.triangle_count),
         };
-        let Target { scene, geometry, textures, gbuffer, direct } = *target;
+        let Ground { scene, geometry, textures, gbuffer } = *ground;
         let shadow = Capture::new(device, scene, geometry, textures, desc)?;
         let bytes = u64::from(shadow.desc.capacity) * size_of::<LightSample>() as u64;
         let lights = Buffer::new(device, "light samples", bytes, Memory::Device)?;
@@ -84,7 +66,7 @@ impl DirectLight {
     }
 
     /// Renders all batches of shadows and adds their light.
-    pub fn run(&self, recorder: &mut Recorder, target: &Target<'_>, mut done: impl FnMut(usize)) -> Result<()> {
+    pub fn run(&self, recorder: &mut Recorder, ground: &Ground<'_>, mut done: impl FnMut(usize)) -> Result<()> {
         let capacity = self.shadow.desc.capacity as usize;
         let points = POINTS_IN_CELL.div_ceil(self.set.samples.len() as u32);
         for (index, samples) in self.set.samples.chunks(capacity).enumerate() {
@@ -100,13 +82,13 @@ impl DirectLight {
                     })?;
                 }
                 recording.pass("shadow", |c| {
-                    self.shadow.record(c, target.geometry, target.textures, count);
+                    self.shadow.record(c, ground.geometry, ground.textures, count);
                     Ok(())
                 })?;
                 if let Some(surface) = &self.surface {
                     let batch = Batch { first: first as u32, count, points, lift: self.lift };
                     recording.pass("surface_light", |c| {
-                        surface.record(c, target.scene, target.geometry, target.textures, batch);
+                        surface.record(c, ground.scene, ground.geometry, ground.textures, batch);
                         Ok(())
                     })?;
                 }

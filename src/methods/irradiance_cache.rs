@@ -1,16 +1,13 @@
 //! Irradiance-cache splatting (Gautron, Křivánek, Bouatouch and Pattanaik 2005; S0): records in rounds, from coarse to
 //! fine, until every visible pixel is covered.
 
+use super::Ground;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::find_uncovered::{FindUncovered, Lattice};
-use crate::passes::gbuffer::Targets;
-use crate::passes::geometry::Geometry;
 use crate::passes::integrate::{Captured, Gradients, Integrate, Limits};
-use crate::passes::material::Textures;
 use crate::passes::place_records::{PlaceRecords, Placement};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
-use crate::scene::Scene;
 use crate::vk::gpu_types::{Payload, Record};
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Memory, Result};
@@ -76,21 +73,15 @@ pub enum CaptureMode {
     Compute,
 }
 
-/// What the cache stands on.
+/// What a scene makes of the cache.
 #[derive(Clone, Copy)]
-pub struct Ground<'a> {
-    /// Scene on the CPU.
-    pub scene: &'a Scene,
-    /// Geometry and lit surface.
-    pub geometry: &'a Geometry,
-    /// Textures.
-    pub textures: Option<&'a Textures>,
-    /// Visible surfaces.
-    pub gbuffer: &'a Targets,
+pub struct Features<'a> {
     /// Background, if it shines.
     pub sky: Option<&'a Buffer>,
     /// Captures are rasterised in compute, as the plan says.
     pub in_compute: bool,
+    /// The number of records of each pixel is kept.
+    pub counts_records: bool,
 }
 
 /// Passes and buffers of the cache.
@@ -114,9 +105,14 @@ enum Captures {
 }
 
 impl Captures {
-    fn new(device: &Arc<Device>, ground: &Ground<'_>, settings: &CacheSettings) -> Result<(Self, u32)> {
+    fn new(
+        device: &Arc<Device>,
+        ground: &Ground<'_>,
+        in_compute: bool,
+        settings: &CacheSettings,
+    ) -> Result<(Self, u32)> {
         let (size, geometry) = (settings.capture_size, ground.geometry);
-        if geometry.corners.is_some() && ground.in_compute {
+        if in_compute {
             let capacity = batch_size(size);
             return Ok((Self::Compute(Box::new(CaptureCompute::new(device, geometry, size, capacity)?)), capacity));
         }
@@ -177,15 +173,16 @@ impl CaptureMode {
 }
 
 impl IrradianceCache {
-    /// Builds what the cache needs; with `counts_records`, the number of records of each pixel is kept.
+    /// Builds what the cache needs.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
-        counts_records: bool,
+        features: Features<'_>,
         settings: CacheSettings,
     ) -> Result<Self> {
-        let Ground { geometry, gbuffer, sky, .. } = *ground;
-        let (captures, capacity) = Captures::new(device, ground, &settings)?;
+        let Ground { geometry, gbuffer, .. } = *ground;
+        let Features { sky, in_compute, counts_records } = features;
+        let (captures, capacity) = Captures::new(device, ground, in_compute, &settings)?;
         let records = u64::from(capacity) * size_of::<Record>() as u64;
         let records = Buffer::new(device, "records", records, Memory::Device)?;
         let payloads = u64::from(capacity) * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };

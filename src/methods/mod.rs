@@ -1,5 +1,23 @@
 //! Techniques: passes composed into something a user would name.
 
+use crate::passes::gbuffer::Targets;
+use crate::passes::geometry::Geometry;
+use crate::passes::material::Textures;
+use crate::scene::Scene;
+
 pub mod direct;
 pub mod irradiance_cache;
 pub mod light_samples;
+
+/// What every technique stands on.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// Scene on the CPU.
+    pub scene: &'a Scene,
+    /// Geometry and lit surface.
+    pub geometry: &'a Geometry,
+    /// Textures.
+    pub textures: Option<&'a Textures>,
+    /// Visible surfaces.
+    pub gbuffer: &'a Targets,
+}

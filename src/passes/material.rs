@@ -72,7 +72,7 @@ pub struct Textures {
     pub layout: crate::vk::SetLayout,
     sets: HashMap<u32, DescriptorSet>,
     _images: HashMap<(u32, bool), Image>,
-    samplers: Samplers,
+    _samplers: Samplers,
 }
 
 impl Textures {
@@ -106,17 +106,12 @@ impl Textures {
             let set = material_set(scene, &scene.materials[material as usize], &layout, &images, &samplers)?;
             sets.insert(material, set);
         }
-        Ok(Some(Self { layout, sets, _images: images, samplers }))
+        Ok(Some(Self { layout, sets, _images: images, _samplers: samplers }))
     }
 
     /// The set of a textured material.
     pub fn set(&self, material: u32) -> &DescriptorSet {
         &self.sets[&material]
-    }
-
-    /// Number of samplers made.
-    pub fn sampler_count(&self) -> usize {
-        self.samplers.by_mode.len()
     }
 }
 

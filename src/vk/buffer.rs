@@ -133,17 +133,6 @@ impl Buffer {
         let mapped = self.allocation.as_ref().and_then(|a| a.mapped_slice()).expect("read-back memory is mapped");
         bytemuck::pod_collect_to_vec(&mapped[first * size_of::<T>()..(first + count) * size_of::<T>()])
     }
-
-    /// The first `count` values of a device buffer; waits for the copy. For tests and small results.
-    pub fn download<T: Pod>(&self, count: usize) -> Result<Vec<T>> {
-        let size = (count * size_of::<T>()) as u64;
-        let readback = Self::new(&self.device, "read-back", size, Memory::Readback)?;
-        let commands = Commands::begin(&self.device)?;
-        super::barrier::full(&commands);
-        commands.copy_buffer(self, &readback, size);
-        commands.finish()?;
-        Ok(readback.read(count))
-    }
 }
 
 impl Drop for Buffer {

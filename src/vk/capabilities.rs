@@ -11,8 +11,6 @@ pub struct Capabilities {
     pub limits: vk::PhysicalDeviceLimits,
     /// Largest number of views of one multi-view render pass.
     pub max_views: u32,
-    /// Largest layer of a framebuffer, in the number of layers.
-    pub max_layers: u32,
     /// Largest single allocation in bytes.
     pub max_allocation: u64,
     /// Sum of the device-local heaps in bytes.
@@ -102,7 +100,6 @@ impl Capabilities {
         Ok(Self {
             limits,
             max_views: properties_1_1.0,
-            max_layers: limits.max_framebuffer_layers,
             max_allocation: properties_1_1.1,
             device_memory: memory
                 .memory_heaps_as_slice()

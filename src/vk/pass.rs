@@ -29,8 +29,6 @@ pub struct Recorder {
     pub passes: Vec<PassTime>,
     /// Every submission: first to last timestamp.
     pub submissions: Vec<Span>,
-    /// Milliseconds that the CPU waited for submissions.
-    pub waited_ms: f64,
 }
 
 impl Recorder {
@@ -43,13 +41,7 @@ impl Recorder {
             open: Vec::new(),
             passes: Vec::new(),
             submissions: Vec::new(),
-            waited_ms: 0.0,
         }
-    }
-
-    /// When the recorder was made: zero of the CPU times.
-    pub fn started(&self) -> Instant {
-        self.started
     }
 
     /// Records a submission with `record`, runs it and waits.
@@ -60,9 +52,7 @@ impl Recorder {
         record(&mut recording)?;
         recording.stamp()?;
         let Recording { commands, .. } = recording;
-        let wait = Instant::now();
         commands.finish()?;
-        self.waited_ms += wait.elapsed().as_secs_f64() * 1e3;
         self.collect()
     }
 
