@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use hemicube::image::tone::{Look, ToneMap};
 use hemicube::image::{LayerSet, exr, png};
-use hemicube::methods::irradiance_cache::CaptureMode;
+use hemicube::methods::captures::CaptureMode;
 use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;

@@ -2,10 +2,9 @@
 //! fine, until every visible pixel is covered.
 
 use super::Ground;
-use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
-use crate::passes::capture_compute::CaptureCompute;
+use super::captures::{CaptureMode, Captures};
 use crate::passes::find_uncovered::{FindUncovered, Lattice};
-use crate::passes::integrate::{Captured, Gradients, Integrate, Limits};
+use crate::passes::integrate::{Gradients, Integrate, Limits};
 use crate::passes::place_records::{PlaceRecords, Placement};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
 use crate::vk::gpu_types::{Payload, Record};
@@ -61,18 +60,6 @@ pub struct CacheStats {
     pub rounds: u32,
 }
 
-/// How records look at the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CaptureMode {
-    /// In compute where that fits and the device is a CPU, whose vertex stage runs on one core; else by render passes.
-    #[default]
-    Auto,
-    /// Multi-view render passes.
-    Hemicube,
-    /// In compute where that fits (no alpha masks, at most 2¹⁹ triangles), whatever the device.
-    Compute,
-}
-
 /// What a scene makes of the cache.
 #[derive(Clone, Copy)]
 pub struct Features<'a> {
@@ -98,80 +85,6 @@ pub struct IrradianceCache {
     _payloads: Buffer,
 }
 
-/// The pass that captures, boxed for their sizes differ.
-enum Captures {
-    Render(Box<Capture>),
-    Compute(Box<CaptureCompute>),
-}
-
-impl Captures {
-    fn new(
-        device: &Arc<Device>,
-        ground: &Ground<'_>,
-        in_compute: bool,
-        settings: &CacheSettings,
-    ) -> Result<(Self, u32)> {
-        let (size, geometry) = (settings.capture_size, ground.geometry);
-        if in_compute {
-            let capacity = batch_size(size);
-            return Ok((Self::Compute(Box::new(CaptureCompute::new(device, geometry, size, capacity)?)), capacity));
-        }
-        let desc = CaptureDesc {
-            name: "capture",
-            views: Views::Hemicube,
-            size,
-            capacity: batch_size(size),
-            identity: true,
-            culled: pays_to_cull(device, geometry.triangle_count),
-        };
-        let capture = Capture::new(device, ground.scene, geometry, ground.textures, desc)?;
-        let capacity = capture.desc.capacity;
-        Ok((Self::Render(Box::new(capture)), capacity))
-    }
-
-    fn frames(&self) -> &Buffer {
-        match self {
-            Self::Render(capture) => &capture.frames,
-            Self::Compute(capture) => &capture.frames,
-        }
-    }
-
-    fn captured(&self) -> Captured<'_> {
-        match self {
-            Self::Render(capture) => Captured::Render(capture),
-            Self::Compute(capture) => Captured::Compute(capture),
-        }
-    }
-
-    fn record(&self, recording: &mut Recording<'_>, ground: &Ground<'_>, count: u32) -> Result<()> {
-        match self {
-            Self::Compute(capture) => recording.pass("capture_compute", |c| {
-                capture.record(c, count);
-                Ok(())
-            }),
-            Self::Render(capture) => {
-                if capture.is_culled() {
-                    recording.pass("cull", |c| {
-                        capture.record_cull(c, count);
-                        Ok(())
-                    })?;
-                }
-                recording.pass("capture", |c| {
-                    capture.record(c, ground.geometry, ground.textures, count);
-                    Ok(())
-                })
-            }
-        }
-    }
-}
-
-impl CaptureMode {
-    /// Whether captures in compute are wished for on `device`.
-    pub fn wants_compute(self, device: &Device) -> bool {
-        self == Self::Compute || (self == Self::Auto && device.is_cpu())
-    }
-}
-
 impl IrradianceCache {
     /// Builds what the cache needs.
     pub fn new(
@@ -182,7 +95,7 @@ impl IrradianceCache {
     ) -> Result<Self> {
         let Ground { geometry, gbuffer, .. } = *ground;
         let Features { sky, in_compute, counts_records } = features;
-        let (captures, capacity) = Captures::new(device, ground, in_compute, &settings)?;
+        let (captures, capacity) = Captures::new(device, ground, in_compute, settings.capture_size)?;
         let records = u64::from(capacity) * size_of::<Record>() as u64;
         let records = Buffer::new(device, "records", records, Memory::Device)?;
         let payloads = u64::from(capacity) * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
@@ -291,11 +204,6 @@ impl IrradianceCache {
             Ok(())
         })
     }
-}
-
-/// Frames of a batch: about 64 MB of texels with all that goes with them.
-fn batch_size(capture_size: u32) -> u32 {
-    ((64 << 20) / (capture_size * capture_size * (5 * 8 + 3 * 16))).clamp(1, 1024)
 }
 
 /// Lattices from coarse to fine: each level adds three lattices between the pixels of those before it, one at a time, so

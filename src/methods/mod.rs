@@ -5,6 +5,7 @@ use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
 use crate::scene::Scene;
 
+pub mod captures;
 pub mod direct;
 pub mod irradiance_cache;
 pub mod light_samples;

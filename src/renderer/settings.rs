@@ -1,6 +1,7 @@
 //! What a frame is made with, and its checks.
 
-use crate::methods::irradiance_cache::{CacheSettings, CaptureMode};
+use crate::methods::captures::CaptureMode;
+use crate::methods::irradiance_cache::CacheSettings;
 use crate::methods::light_samples::LightSettings;
 use crate::passes::integrate::Gradients;
 use crate::passes::resolve::Plane;

@@ -12,7 +12,7 @@ pub use build::{Builder, look, look_parallel};
 
 use glam::DVec3;
 use hemicube::image::Picture;
-use hemicube::methods::irradiance_cache::CaptureMode;
+use hemicube::methods::captures::CaptureMode;
 use hemicube::passes::resolve::Plane;
 use hemicube::renderer::{Rendered, Settings, render};
 use hemicube::scene::{Camera, Scene};

@@ -1,7 +1,7 @@
 //! What is measured: methods times settings.
 
 use super::{CaptureArg, ConvergenceArgs, GradientsArg, MethodArg};
-use hemicube::methods::irradiance_cache::CaptureMode;
+use hemicube::methods::captures::CaptureMode;
 use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
