@@ -11,14 +11,14 @@ pub use plan::{LeftOut, Plan};
 pub use settings::{Settings, SettingsError};
 
 use crate::image::Picture;
-use crate::methods::Ground;
 use crate::methods::direct::{DirectLight, Extent, LightSet, TooManyLights, light_sets};
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
-use crate::passes::gbuffer::GBuffer;
+use crate::methods::{Ground, upload_sky};
+use crate::passes::gbuffer::{GBuffer, Targets};
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
 use crate::passes::resolve::{Inputs, Plane, Resolve};
-use crate::scene::{Background, Camera, Scene};
+use crate::scene::{Camera, Scene};
 use crate::vk::pass::{PassTime, Recorder};
 use crate::vk::{Buffer, Device, Error as VulkanError, Memory, MemoryUse, Span, barrier};
 use camera::View;
@@ -89,12 +89,14 @@ pub fn render(
     let pixels = u64::from(size[0]) * u64::from(size[1]);
     let direct =
         plan.lights.then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device)).transpose()?;
-    let ground = Ground { scene, geometry: &geometry, textures, gbuffer: &gbuffer.targets };
-    let lights = build_lights(device, sets, &ground, direct.as_ref(), plan.captures && settings.bounces > 0)?;
+    let ground = Ground { scene, geometry: &geometry, textures };
+    let pixels = direct.as_ref().map(|direct| (&gbuffer.targets, direct));
+    let lights = build_lights(device, sets, &ground, pixels, plan.captures && settings.bounces > 0)?;
     // What it reflects.
     let counts_records = settings.planes.contains(&Plane::Records);
     let features = Features { sky: sky.as_ref(), in_compute: plan.compute, counts_records };
-    let cache = plan.captures.then(|| IrradianceCache::new(device, &ground, features, settings.cache)).transpose()?;
+    let new_cache = || IrradianceCache::new(device, &ground, &gbuffer.targets, features, settings.cache);
+    let cache = plan.captures.then(new_cache).transpose()?;
     // The image.
     let inputs = Inputs {
         gbuffer: &gbuffer.targets,
@@ -166,23 +168,11 @@ fn build_lights(
     device: &Arc<Device>,
     sets: Vec<LightSet>,
     ground: &Ground<'_>,
-    direct: Option<&Buffer>,
+    pixels: Option<(&Targets, &Buffer)>,
     cells: bool,
 ) -> Result<Vec<DirectLight>, VulkanError> {
     let needed = |set: &LightSet| cells || !set.cells_only;
-    sets.into_iter().filter(needed).map(|set| DirectLight::new(device, set, ground, direct, cells)).collect()
-}
-
-fn upload_sky(device: &Arc<Device>, background: &Background) -> Result<Buffer, VulkanError> {
-    let (width, height, texels): (u32, u32, Vec<[f32; 3]>) = match background {
-        Background::Black => (1, 1, vec![[0.0; 3]]),
-        Background::Constant(radiance) => (1, 1, vec![radiance.to_array()]),
-        Background::Map(map) => (map.width, map.height, map.rgb.clone()),
-    };
-    let words = [width, height, 0, 0]
-        .into_iter()
-        .chain(texels.iter().flat_map(|[r, g, b]| [r.to_bits(), g.to_bits(), b.to_bits(), 0]));
-    Buffer::with_data(device, "sky", &words.collect::<Vec<u32>>())
+    sets.into_iter().filter(needed).map(|set| DirectLight::new(device, set, ground, pixels, cells)).collect()
 }
 
 /// Splits the time since it was made into named stages.

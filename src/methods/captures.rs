@@ -4,9 +4,15 @@ use super::Ground;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::integrate::Captured;
+use crate::scene::{Part, Scene};
 use crate::vk::pass::Recording;
 use crate::vk::{Buffer, Device, Result};
 use std::sync::Arc;
+
+/// How far a capture stands off its surface, relative to the scene's size: a few units in the last place of positions.
+pub const LIFT: f32 = 4e-6;
+/// Near distance of captures, relative to the scene's size.
+pub const NEAR: f32 = LIFT * 0.25;
 
 /// How records look at the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,9 +27,11 @@ pub enum CaptureMode {
 }
 
 impl CaptureMode {
-    /// Whether captures in compute are wished for on `device`.
-    pub fn wants_compute(self, device: &Device) -> bool {
-        self == Self::Compute || (self == Self::Auto && device.is_cpu())
+    /// Whether captures of `scene` at `size` texels a side run in compute: wished for, and possible there.
+    pub fn in_compute(self, device: &Device, scene: &Scene, size: u32) -> bool {
+        let wanted = self == Self::Compute || (self == Self::Auto && device.is_cpu());
+        let masked = |part: &Part| scene.materials[part.material as usize].alpha_cutoff.is_some();
+        wanted && !scene.parts.iter().any(masked) && CaptureCompute::holds(device, scene.triangles.len(), size)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::Ground;
 pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooManyLights, light_sets};
 use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
+use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;
 use crate::passes::surface_light::{Batch, SurfaceLight};
 use crate::vk::gpu_types::LightSample;
@@ -28,12 +29,13 @@ pub struct DirectLight {
 impl DirectLight {
     /// Builds the passes that `set` needs.
     ///
-    /// `direct` holds direct irradiance, four floats a pixel; `cells` says whether captures will read the surface cells.
+    /// `pixels` are the visible surfaces and the buffer of their direct irradiance, four floats a pixel; `cells` says
+    /// whether captures will read the surface cells.
     pub fn new(
         device: &Arc<Device>,
         set: LightSet,
         ground: &Ground<'_>,
-        direct: Option<&Buffer>,
+        pixels: Option<(&Targets, &Buffer)>,
         cells: bool,
     ) -> Result<Self> {
         let tile = u64::from(set.shadow_size).pow(2) * u64::from(set.views.count()) * 4;
@@ -46,15 +48,15 @@ impl DirectLight {
             identity: false,
             culled: pays_to_cull(device, ground.geometry.triangle_count),
         };
-        let Ground { scene, geometry, textures, gbuffer } = *ground;
+        let Ground { scene, geometry, textures } = *ground;
         let shadow = Capture::new(device, scene, geometry, textures, desc)?;
         let bytes = u64::from(shadow.desc.capacity) * size_of::<LightSample>() as u64;
         let lights = Buffer::new(device, "light samples", bytes, Memory::Device)?;
         let kind = (set.kind, &shadow);
         let surface = cells.then(|| SurfaceLight::new(device, scene, geometry, textures, kind, &lights)).transpose()?;
-        let pixel = direct
+        let pixel = pixels
             .filter(|_| !set.cells_only)
-            .map(|direct| PixelLight::new(device, gbuffer, kind, &lights, direct))
+            .map(|(gbuffer, direct)| PixelLight::new(device, gbuffer, kind, &lights, direct))
             .transpose()?;
         let lift = geometry.radius * 1e-6;
         Ok(Self { set, shadow, lights, surface, pixel, lift })

@@ -4,6 +4,7 @@
 use super::Ground;
 use super::captures::{CaptureMode, Captures};
 use crate::passes::find_uncovered::{FindUncovered, Lattice};
+use crate::passes::gbuffer::Targets;
 use crate::passes::integrate::{Gradients, Integrate, Limits};
 use crate::passes::place_records::{PlaceRecords, Placement};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
@@ -86,14 +87,15 @@ pub struct IrradianceCache {
 }
 
 impl IrradianceCache {
-    /// Builds what the cache needs.
+    /// Builds what a cache over the visible surfaces `gbuffer` needs.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
+        gbuffer: &Targets,
         features: Features<'_>,
         settings: CacheSettings,
     ) -> Result<Self> {
-        let Ground { geometry, gbuffer, .. } = *ground;
+        let geometry = ground.geometry;
         let Features { sky, in_compute, counts_records } = features;
         let (captures, capacity) = Captures::new(device, ground, in_compute, settings.capture_size)?;
         let records = u64::from(capacity) * size_of::<Record>() as u64;

@@ -1,6 +1,5 @@
 //! Techniques: passes composed into something a user would name.
 
-use crate::passes::gbuffer::Targets;
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
 use crate::scene::Scene;
@@ -9,6 +8,10 @@ pub mod captures;
 pub mod direct;
 pub mod irradiance_cache;
 pub mod light_samples;
+pub mod probes;
+mod sky;
+
+pub use sky::upload_sky;
 
 /// What every technique stands on.
 #[derive(Clone, Copy)]
@@ -19,6 +22,4 @@ pub struct Ground<'a> {
     pub geometry: &'a Geometry,
     /// Textures.
     pub textures: Option<&'a Textures>,
-    /// Visible surfaces.
-    pub gbuffer: &'a Targets,
 }

@@ -1,5 +1,6 @@
 //! The camera as the passes need it.
 
+use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
 use crate::passes::place_records::Placement;
 use crate::passes::splat::View as SplatView;
@@ -8,8 +9,6 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// Nearest visible distance relative to the scene's size.
 const NEAR: f32 = 1.0 / 65536.0;
-/// How far a capture stands off its surface, relative to the scene's size: a few units in the last place of positions.
-const LIFT: f32 = 4e-6;
 
 /// Matrices and axes of a view.
 pub(super) struct View {
@@ -76,8 +75,8 @@ impl View {
             count: 0,
             width: self.size[0],
             seed: settings.seed,
-            near: radius * LIFT * 0.25,
-            lift: radius * LIFT,
+            near: radius * captures::NEAR,
+            lift: radius * captures::LIFT,
         };
         let view = SplatView {
             world_to_view: self.world_to_view.to_cols_array(),

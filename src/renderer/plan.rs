@@ -2,7 +2,6 @@
 
 use super::Settings;
 use crate::passes::capture::WHOLE_SCENE;
-use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::resolve::Plane;
 use crate::scene::{Background, Light, Scene};
 use crate::vk::Device;
@@ -62,11 +61,7 @@ impl Plan {
         let why = if settings.bounces == 0 { "no bounces are asked for" } else { "nothing shines" };
         plan.part("surface_light", indirect, why);
         plan.compute = plan.captures
-            && !facts.masked
-            && device.is_some_and(|d| {
-                let size = settings.cache.capture_size;
-                settings.cache.capture.wants_compute(d) && CaptureCompute::holds(d, scene.triangles.len(), size)
-            });
+            && device.is_some_and(|d| settings.cache.capture.in_compute(d, scene, settings.cache.capture_size));
         for pass in ["find_uncovered", "place_records"] {
             plan.part(pass, plan.captures, why);
         }
