@@ -3,18 +3,22 @@
 
 struct Arriving { vec3 direction; vec3 irradiance; };
 
+// A small disc instead of a point (Wallace, Elmquist and Haines 1989, eq. 5): bounded next to the emitter, and the same in
+// the limit of many samples. `power`: radiance times area.
+Arriving light_from_disc(LightSample light, vec3 p, vec3 power) {
+    vec3 d = light.position.xyz - p;
+    float distance2 = dot(d, d);
+    vec3 w = d * inversesqrt(max(distance2, 1e-30));
+    return Arriving(w, power * (max(-dot(w, light.direction.xyz), 0.0) / (distance2 + light.position.w)));
+}
+
 Arriving light_arriving(LightSample light, vec3 p) {
     if (LIGHT_KIND == LIGHT_DIRECTIONAL) return Arriving(-light.direction.xyz, light.power.rgb);
+    if (LIGHT_KIND == LIGHT_AREA) return light_from_disc(light, p, light.power.rgb);
     vec3 d = light.position.xyz - p;
     float distance2 = dot(d, d);
     vec3 w = d * inversesqrt(max(distance2, 1e-30));
     if (LIGHT_KIND == LIGHT_POINT) return Arriving(w, light.power.rgb / max(distance2, 1e-30));
-    float cosine = -dot(w, light.direction.xyz);
-    if (LIGHT_KIND == LIGHT_SPOT) {
-        float falloff = clamp((cosine - light.direction.w) * light.power.w, 0.0, 1.0);
-        return Arriving(w, light.power.rgb * (falloff * falloff / max(distance2, 1e-30)));
-    }
-    // A small disc instead of a point (Wallace, Elmquist and Haines 1989, eq. 5): bounded next to the emitter, and the
-    // same in the limit of many samples.
-    return Arriving(w, light.power.rgb * (max(cosine, 0.0) / (distance2 + light.position.w)));
+    float cosine = -dot(w, light.direction.xyz), falloff = clamp((cosine - light.direction.w) * light.power.w, 0.0, 1.0);
+    return Arriving(w, light.power.rgb * (falloff * falloff / max(distance2, 1e-30)));
 }

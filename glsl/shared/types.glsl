@@ -32,6 +32,13 @@ struct LightSample {
     vec4 power;      // irradiance (directional), intensity (point, spot), radiance × area (area sample); w: 1/(cos inner − cos outer)
 };
 
+// An emissive triangle, counter-clockwise seen from where it shines, and its samples in the batch.
+struct EmitterFace {
+    vec4 a;  // corner; w: share of the triangle's samples that the batch holds
+    vec4 b;  // corner; w: first of its samples in the batch, as bits
+    vec4 c;  // corner; w: number of them, as bits
+};
+
 struct Material {
     vec4 base_color;
     vec4 emission;            // radiance; w: normal map scale

@@ -54,7 +54,7 @@ pub struct RenderArgs {
     /// Reflections on the way: 0 is direct light only, 1 one bounce of indirect light
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Light")]
     bounces: u32,
-    /// Samples of all emissive triangles together; the error of soft shadows falls with their number
+    /// Samples of all emissive triangles together, one for each at least; the noise of soft shadows falls with their number
     #[arg(long, value_name = "N", help_heading = "Light")]
     light_samples: Option<u32>,
     /// Cells that the surfaces are cut into to hold their lit radiance, about; each triangle has at least one

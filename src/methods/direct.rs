@@ -1,12 +1,13 @@
 //! Direct light: every light sample's shadow is rendered once, in batches, and lights the surface cells and the pixels.
 
 use super::Ground;
+use super::emitter_samples::Face;
 pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooManyLights, light_sets};
 use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;
 use crate::passes::surface_light::{Batch, SurfaceLight};
-use crate::vk::gpu_types::LightSample;
+use crate::vk::gpu_types::{EmitterFace, LightSample};
 use crate::vk::pass::Recorder;
 use crate::vk::{Buffer, Device, Memory, Result};
 use std::sync::Arc;
@@ -21,6 +22,7 @@ pub struct DirectLight {
     set: LightSet,
     shadow: Capture,
     lights: Buffer,
+    faces: Option<Buffer>,
     surface: Option<SurfaceLight>,
     pixel: Option<PixelLight>,
     lift: f32,
@@ -52,14 +54,18 @@ impl DirectLight {
         let shadow = Capture::new(device, scene, geometry, textures, desc)?;
         let bytes = u64::from(shadow.desc.capacity) * size_of::<LightSample>() as u64;
         let lights = Buffer::new(device, "light samples", bytes, Memory::Device)?;
+        // A batch holds no more faces than samples.
+        let bytes = u64::from(shadow.desc.capacity) * size_of::<EmitterFace>() as u64;
+        let pixels = pixels.filter(|_| !set.cells_only);
+        let has_faces = pixels.is_some() && !set.faces.is_empty();
+        let faces = has_faces.then(|| Buffer::new(device, "light samples", bytes, Memory::Device)).transpose()?;
         let kind = (set.kind, &shadow);
         let surface = cells.then(|| SurfaceLight::new(device, scene, geometry, textures, kind, &lights)).transpose()?;
         let pixel = pixels
-            .filter(|_| !set.cells_only)
-            .map(|(gbuffer, direct)| PixelLight::new(device, gbuffer, kind, &lights, direct))
+            .map(|(gbuffer, direct)| PixelLight::new(device, gbuffer, kind, (&lights, faces.as_ref()), direct))
             .transpose()?;
         let lift = geometry.radius * 1e-6;
-        Ok(Self { set, shadow, lights, surface, pixel, lift })
+        Ok(Self { set, shadow, lights, faces, surface, pixel, lift })
     }
 
     /// Number of light samples.
@@ -75,6 +81,10 @@ impl DirectLight {
             let first = index * capacity;
             let count = samples.len() as u32;
             self.lights.upload(samples)?;
+            let faces = Face::of_batch(&self.set.faces, &(first as u32..first as u32 + count));
+            if let Some(buffer) = &self.faces {
+                buffer.upload(&faces)?;
+            }
             self.shadow.frames.upload(&self.set.frames[first..first + samples.len()])?;
             recorder.submit(|recording| {
                 if self.shadow.is_culled() {
@@ -96,7 +106,7 @@ impl DirectLight {
                 }
                 if let Some(pixel) = &self.pixel {
                     recording.pass("pixel_light", |c| {
-                        pixel.record(c, count, self.lift);
+                        pixel.record(c, if self.faces.is_some() { faces.len() as u32 } else { count }, self.lift);
                         Ok(())
                     })?;
                 }

@@ -1,10 +1,10 @@
 //! Lights as samples with a shadow view each: what [`super::direct`] renders, prepared on the CPU.
 //!
-//! A punctual light is one sample. Emissive triangles are cut into samples of equal power, spread by a low-discrepancy
-//! sequence within each triangle. The sky, for the surface cells alone, is a set of parallel lights; pixels see it by
-//! their records' captures.
+//! A punctual light is one sample. Emissive triangles have samples of their own ([`super::emitter_samples`]). The sky, for
+//! the surface cells alone, is a set of parallel lights; pixels see it by their records' captures.
 
-use crate::math::sequence::{fibonacci_sphere, triangle_point};
+use super::emitter_samples::{Face, add_emitters};
+use crate::math::sequence::fibonacci_sphere;
 use crate::passes::capture::Views;
 use crate::scene::{Background, EnvironmentMap, Light, Scene};
 use crate::vk::gpu_types::{Frame, LightSample};
@@ -54,6 +54,8 @@ pub struct LightSet {
     pub frames: Vec<Frame>,
     /// The samples.
     pub samples: Vec<LightSample>,
+    /// Emissive triangles whose samples these are, one after the other; empty where samples stand for several triangles.
+    pub faces: Vec<Face>,
     /// Lights the surface cells only.
     pub cells_only: bool,
 }
@@ -61,7 +63,7 @@ pub struct LightSet {
 /// How finely lights are sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSettings {
-    /// Samples of all emissive triangles together.
+    /// Samples of all emissive triangles together; more where each triangle needs one of its own.
     pub area_samples: u32,
     /// Parallel lights that stand for the sky on the surface cells.
     pub sky_samples: u32,
@@ -133,17 +135,17 @@ fn shrink(largest: u32, lights: usize) -> u32 {
 
 impl LightSet {
     fn empty(name: &'static str, kind: LightKind, views: Views, shadow_size: u32) -> Self {
-        Self { name, kind, views, shadow_size, frames: vec![], samples: vec![], cells_only: false }
+        Self { name, kind, views, shadow_size, frames: vec![], samples: vec![], faces: vec![], cells_only: false }
     }
 
-    fn push(&mut self, frame: Frame, sample: LightSample) {
+    pub(super) fn push(&mut self, frame: Frame, sample: LightSample) {
         self.frames.push(frame);
         self.samples.push(sample);
     }
 }
 
 /// Relative to the scene's size: nearer than this nothing casts a shadow.
-const NEAR: f32 = 1.0 / 65536.0;
+pub(super) const NEAR: f32 = 1.0 / 65536.0;
 
 fn add_punctual(light: &Light, extent: Extent, sets: &mut [LightSet]) {
     let near = extent.radius * NEAR;
@@ -195,7 +197,7 @@ fn parallel_frame(direction: Vec3, extent: Extent) -> Frame {
     }
 }
 
-fn frame(origin: Vec3, axis: Vec3, near: f32, scale: f32) -> Frame {
+pub(super) fn frame(origin: Vec3, axis: Vec3, near: f32, scale: f32) -> Frame {
     let tangent = axis.any_orthonormal_vector();
     Frame {
         origin: with(origin, near),
@@ -206,49 +208,12 @@ fn frame(origin: Vec3, axis: Vec3, near: f32, scale: f32) -> Frame {
     }
 }
 
-fn with(v: Vec3, w: f32) -> [f32; 4] {
+pub(super) fn with(v: Vec3, w: f32) -> [f32; 4] {
     Vec4::from((v, w)).to_array()
 }
 
-fn brightness(v: Vec3) -> f32 {
+pub(super) fn brightness(v: Vec3) -> f32 {
     v.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}
-
-/// Cuts the emitters into `count` samples of equal power: steps through the cumulated power (systematic sampling), places
-/// within each triangle by the triangular van der Corput sequence.
-fn add_emitters(scene: &Scene, extent: Extent, count: u32, set: &mut LightSet) {
-    let sides = |e: &crate::scene::Emitter| if e.double_sided { 2 } else { 1 };
-    let faces: Vec<_> =
-        scene.emitters().into_iter().flat_map(|e| (0..sides(&e)).map(move |side| (e, side == 1))).collect();
-    let powers: Vec<f64> = faces.iter().map(|(e, _)| f64::from(brightness(e.radiance) * e.area)).collect();
-    let total: f64 = powers.iter().sum();
-    if total <= 0.0 {
-        return;
-    }
-    let (mut face, mut passed, mut taken) = (0, 0.0, 0);
-    for index in 0..count {
-        let target = (f64::from(index) + 0.5) / f64::from(count) * total;
-        while face + 1 < faces.len() && passed + powers[face] <= target {
-            passed += powers[face];
-            (face, taken) = (face + 1, 0);
-        }
-        let (emitter, back) = &faces[face];
-        let uv = triangle_point(taken);
-        taken += 1;
-        let point = scene.surface(emitter.triangle, uv);
-        // Area that the sample stands for: 1/(count · pdf), pdf = (power/total)/area.
-        let area = (total / (f64::from(count) * powers[face])) as f32 * emitter.area;
-        let normal = if *back { -point.geometric_normal } else { point.geometric_normal };
-        let origin = point.position + normal * (extent.radius * NEAR);
-        let mut view = frame(origin, normal, extent.radius * NEAR, 1.0);
-        view.horizon = with(normal, -normal.dot(origin));
-        let sample = LightSample {
-            position: with(point.position, area / PI),
-            direction: with(normal, 0.0),
-            power: with(point.emission * area, 0.0),
-        };
-        set.push(view, sample);
-    }
 }
 
 fn add_sky(background: &Background, extent: Extent, count: u32, set: &mut LightSet) {

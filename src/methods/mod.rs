@@ -6,6 +6,7 @@ use crate::scene::Scene;
 
 pub mod captures;
 pub mod direct;
+pub mod emitter_samples;
 pub mod irradiance_cache;
 pub mod light_samples;
 pub mod probes;

@@ -16,7 +16,7 @@ use std::sync::Arc;
 struct Push {
     width: u32,
     height: u32,
-    light_count: u32,
+    count: u32,
     lift: f32,
 }
 
@@ -29,12 +29,12 @@ pub struct PixelLight {
 }
 
 impl PixelLight {
-    /// Adds into `direct`, four floats a pixel.
+    /// Adds into `direct`, four floats a pixel. With `faces`, the samples of each emissive triangle stand together.
     pub fn new(
         device: &Arc<Device>,
         gbuffer: &Targets,
         (kind, shadow): (LightKind, &Capture),
-        lights: &Buffer,
+        (lights, faces): (&Buffer, Option<&Buffer>),
         direct: &Buffer,
     ) -> Result<Self> {
         let bindings = [
@@ -44,21 +44,24 @@ impl PixelLight {
             Binding::Texels(&gbuffer.position),
             Binding::Texels(&gbuffer.normals),
             Binding::Storage(direct),
+            Binding::Storage(faces.unwrap_or(lights)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let constants = Specialisation(vec![kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns]);
+        let has_faces = u32::from(faces.is_some());
+        let constants =
+            Specialisation(vec![kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns, has_faces]);
         let code = spirv!("pixel_light", "pixel_light.comp");
         let pipeline = ComputePipeline::new("pixel_light", &pipeline_layout, code, &constants)?;
         Ok(Self { pipeline, set, size: gbuffer.position.desc.size, _layout: layout })
     }
 
-    /// Adds the light of `light_count` samples.
-    pub fn record(&self, commands: &Commands, light_count: u32, lift: f32) {
+    /// Adds the light of the first `count` faces, or samples where there are no faces.
+    pub fn record(&self, commands: &Commands, count: u32, lift: f32) {
         let [width, height] = self.size;
         self.pipeline.bind(commands, &[&self.set]);
-        self.pipeline.layout.push(commands, &Push { width, height, light_count, lift });
+        self.pipeline.layout.push(commands, &Push { width, height, count, lift });
         self.pipeline.dispatch(commands, groups(width * height, 64));
     }
 }

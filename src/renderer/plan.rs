@@ -1,9 +1,10 @@
 //! The plan: what a scene needs, and why the rest is left out.
 
 use super::Settings;
+use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::resolve::Plane;
-use crate::scene::{Background, Light, Scene};
+use crate::scene::{Background, Light, Part, Scene};
 use crate::vk::Device;
 use glam::Vec3;
 
@@ -111,7 +112,10 @@ impl Plan {
 /// Cells for a scene: more for more detail, fewer where each is lit by many samples, so that lighting them stays within
 /// about 2²⁶ shadow lookups.
 fn cells(scene: &Scene, settings: &Settings) -> u32 {
-    let samples = scene.lights.len() as u64 + u64::from(settings.lights.area_samples);
+    let emissive = |part: &&Part| scene.materials[part.material as usize].emission != Vec3::ZERO;
+    let faces: u32 = scene.parts.iter().filter(emissive).map(|part| part.triangle_count).sum();
+    let area_samples = settings.lights.area_samples.max(faces.min(MOST_FACES as u32));
+    let samples = scene.lights.len() as u64 + u64::from(area_samples);
     let affordable = (1_u64 << 26) / samples.max(1);
     (24 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 21).min(affordable.max(1 << 16)) as u32
 }

@@ -54,6 +54,18 @@ pub struct LightSample {
     pub power: [f32; 4],
 }
 
+/// An emissive triangle seen from the side that emits; `EmitterFace` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct EmitterFace {
+    /// First corner; share of the triangle's samples that the batch holds.
+    pub a: [f32; 4],
+    /// Second corner; first of its samples in the batch, as bits.
+    pub b: [f32; 4],
+    /// Third corner; number of its samples in the batch, as bits.
+    pub c: [f32; 4],
+}
+
 /// A material; `Material` in GLSL.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -97,6 +109,7 @@ const _: () = {
     assert!(size_of::<Record>() == 48);
     assert!(size_of::<Payload>() == 112);
     assert!(size_of::<LightSample>() == 48);
+    assert!(size_of::<EmitterFace>() == 48);
     assert!(size_of::<Material>() == 144);
     assert!(size_of::<Texel>() == 32);
     assert!(size_of::<Edge>() == 32);
