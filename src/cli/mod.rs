@@ -5,6 +5,7 @@
 mod common;
 mod compare;
 mod convergence;
+mod export;
 mod info;
 mod reference;
 mod render;
@@ -26,6 +27,7 @@ enum Command {
     Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
     Convergence(Box<convergence::ConvergenceArgs>),
+    Export(export::ExportArgs),
     Info(info::InfoArgs),
     Reference(Box<reference::ReferenceArgs>),
 }
@@ -36,6 +38,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Convergence(args) => convergence::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Reference(args) => reference::run(&args),
     }

@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """Renders a scene with other renderers and measures error against time, on this machine.
 
-The peers are Radiance (Ward's irradiance cache) and Mitsuba 3 (path tracing). Both get the same view, transport depth
-and quantity: indirect irradiance after 1 to N bounces at the first hit of the ray through each pixel's centre, on the
-viewer's side. What is done to be fair to each stands at the top of radiance.py and mitsuba_path.py.
+The peers are Radiance (Ward's irradiance cache) and Mitsuba 3 (path tracing). Both get the scene as hemicube reads it
+(`hemicube export`), the same points, transport depth and quantity: indirect irradiance after 1 to N bounces at the first
+hit of the ray through each pixel's centre, on the viewer's side. What is done to be fair to each stands at the top of
+radiance.py and mitsuba_path.py; how the scene is said to each, and what one of them cannot say, in radiance_scene.py and
+mitsuba_scene.py.
 
   tools/setup.sh --peers
   tools/peers/run.py scene.gltf --reference truth.exr -o points.csv
   hemicube convergence scene.gltf --reference truth.exr -o DIR --peers points.csv    shows them beside our own
+  tools/peers/table.py DIR/points.csv                                                all of it as Markdown
 
 On its first run it makes a Python environment (target/peers/venv) with the peers in it. Points that the CSV holds already
-are not run again. A Markdown table of all its points is printed at the end.
+are not run again.
 
 Columns of the CSV:
   scene, width, height, bounces   what was rendered
@@ -22,6 +25,7 @@ Columns of the CSV:
   cpu_s, wall_s                   processor time (user + system, all threads) and wall time of the run
   wall_spread_s                   longest less shortest wall time of the repeats
   indirect_cpu_s, indirect_wall_s the same with the time for direct light alone (-ab 0) taken off; Mitsuba does none
+  indirect_cpu_spread_s           longest less shortest processor time of the repeats
   mae rms relmse p95 p99 max energy block_mae block_rms non_finite_test
                                   error against the reference, as hemicube compare defines it
   reference, version              file compared with; program and version
@@ -31,25 +35,20 @@ hemicube convergence writes the same columns, and some more.
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import environment
+import points
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-HERE = Path(__file__).resolve().parent
-WORK = HERE.parents[1] / "target" / "peers"
-COLUMNS = (
-    "scene width height bounces method settings threads repeats records setup_cpu_s cpu_s wall_s wall_spread_s "
-    "indirect_cpu_s indirect_wall_s mae rms relmse p95 p99 max energy block_mae block_rms non_finite_test "
-    "reference version"
-).split()
-KEY = ["scene", "width", "height", "bounces", "method", "settings", "threads"]
+# A run that takes longer, in seconds, is not repeated.
+LONG = 30
 
 
 def arguments() -> argparse.Namespace:
@@ -70,8 +69,12 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--peers", default="radiance,mitsuba", metavar="LIST", help="default: %(default)s")
     parser.add_argument("--bounces", type=int, default=1, metavar="N", help="default: %(default)s")
     parser.add_argument("--threads", default="1,all", metavar="LIST", help="each point once per entry; default: %(default)s")
-    parser.add_argument("--repeats", type=int, default=3, metavar="N", help="timings per point; default: %(default)s")
-    parser.add_argument("--camera", type=int, default=0, metavar="INDEX", help="default: %(default)s")
+    parser.add_argument(
+        "--repeats", type=int, default=3, metavar="N",
+        help=f"timings per point; default: %(default)s. A run of {LONG} s is not repeated",
+    )
+    parser.add_argument("--camera", metavar="NAME|INDEX", help="default: the file's first")
+    parser.add_argument("--background", metavar="R,G,B|FILE.exr", help="light from outside the scene, as hemicube's")
     parser.add_argument("--quick", action="store_true", help="only the two quickest settings of each peer, one timing")
     for peer, example in (("radiance", '{"ad": 512, "as": 128, "aa": 0.2, "ar": 64}'), ("mitsuba", '{"spp": 64}')):
         parser.add_argument(
@@ -83,47 +86,31 @@ def arguments() -> argparse.Namespace:
     for path in (parsed.scene, parsed.reference):
         if not path.is_file():
             parser.error(f"{path}: no such file")
+    unknown = set(parsed.peers.split(",")) - {"radiance", "mitsuba"}
+    if unknown:
+        parser.error(f"no peer '{min(unknown)}': radiance, mitsuba")
+    if parsed.bounces < 1 or parsed.repeats < 1:
+        parser.error("--bounces and --repeats are 1 at least")
     return parsed
-
-
-def enter_environment() -> None:
-    """Continues in the peers' own Python environment, made on the first run."""
-    python = WORK / "venv" / "bin" / "python"
-    if Path(sys.prefix).resolve() == python.parents[1].resolve():
-        return
-    requirements = HERE / "requirements.txt"
-    installed = python.parents[1] / "installed.txt"
-    if not installed.is_file() or installed.read_text() != requirements.read_text():
-        print(f"making a Python environment in {python.parents[1]}", file=sys.stderr)
-        subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
-        subprocess.run([python, "-m", "pip", "install", "-q", "-r", requirements], check=True)
-        installed.write_text(requirements.read_text())
-    os.execv(python, [str(python), str(HERE / "run.py"), *sys.argv[1:]])
 
 
 def read_reference(path: Path, bounces: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Irradiance of 1 to `bounces` bounces, and the mask."""
-    import mitsuba
     import numpy as np
 
-    mitsuba.set_variant("scalar_rgb")
-    bitmap = mitsuba.Bitmap(str(path))
-    fields = bitmap.struct_()
-    pixels = np.array(bitmap).astype(float)
-    channels = {fields[k].name: pixels[..., k] for k in range(len(fields))}
+    import exr
 
-    def layer(name: str) -> NDArray[Any]:
-        if f"{name}.R" not in channels:
-            raise SystemExit(f"{path}: no layer '{name}'")
-        return np.stack([channels[f"{name}.{c}"] for c in "RGB"], axis=2)
-
-    if "b1.R" in channels:
-        truth = sum((layer(f"b{k}") for k in range(1, bounces + 1)), np.zeros(pixels.shape[:2] + (3,)))
+    layers = exr.read(path)
+    if "b1" in layers:
+        names = [f"b{k}" for k in range(1, bounces + 1)]
     else:
-        truth = layer("irradiance")
-    masks = [channels[name] for name in ("mask", "mask.R", "mask.Y") if name in channels]
-    mask = masks[0] > 0.5 if masks else truth.max(axis=2) > 0
-    return truth, mask
+        names = ["irradiance"]
+    for name in names:
+        if name not in layers:
+            raise SystemExit(f"{path}: no layer '{name}'")
+    truth = sum(layers[name] for name in names)
+    mask = layers["mask"][..., 0] > 0.5 if "mask" in layers else truth.max(axis=2) > 0
+    return np.asarray(truth), mask
 
 
 class Runner:
@@ -134,152 +121,114 @@ class Runner:
 
         self.options = options
         self.truth, self.mask = read_reference(options.reference, options.bounces)
-        self.shape = self.truth.shape[:2]
-        self.scene = scene.load(options.scene)
-        for note in dict.fromkeys(self.scene.notes):
-            print(f"note: {note}", file=sys.stderr)
-        if options.camera >= len(self.scene.cameras):
-            raise SystemExit(f"{options.scene}: no camera {options.camera}, it has {len(self.scene.cameras)}")
-        self.rays = self.scene.cameras[options.camera].rays(self.shape[1], self.shape[0])
-        self.folder = (WORK / options.scene.stem).absolute()
+        height, width = self.truth.shape[:2]
+        self.folder = (environment.WORK / options.scene.stem).absolute()
+        environment.export(
+            options.scene, self.folder / "scene", (width, height), camera=options.camera, background=options.background
+        )
+        self.scene = scene.load(self.folder / "scene")
+        self.mask &= self.scene.points.reflect.reshape(height, width)
         self.threads = [os.cpu_count() or 1 if t == "all" else int(t) for t in options.threads.split(",")]
-        self.done = read_points(options.output)
+        self.done = points.read(options.output)
 
     def radiance(self) -> None:
-        """Radiance's points: direct light alone is run and timed once, for its share of the rest."""
+        """Radiance's points: direct light alone is run and timed too, once where it is always the same."""
         import radiance
 
-        peer = radiance.export(self.scene, self.rays, self.shape, self.folder / "radiance")
+        peer = radiance.export(self.scene, self.folder / "radiance")
+        bent = self.scene.points.bent().sum() / max(self.scene.points.reflect.sum(), 1)
+        if bent > 0:
+            print(f"note: normal maps bend {100 * bent:.0f} % of the points: see radiance.py", file=sys.stderr)
         settings = self._settings(self.options.radiance, radiance.SETTINGS)
-        direct: dict[int, Any] = {}
+        direct: dict[tuple[int, str], Any] = {}
         for threads, setting in self._missing("radiance", settings):
-            if threads not in direct:
-                direct[threads] = self._repeat(lambda: peer.irradiance(0, threads, {}))
-            image, (cpu, wall, spread), records = self._repeat(
-                lambda: peer.irradiance(self.options.bounces, threads, setting)
-            )
-            direct_image, (direct_cpu, direct_wall, _), _ = direct[threads]
-            point = {
-                "records": records, "setup_cpu_s": peer.setup.cpu_s, "cpu_s": cpu, "wall_s": wall, "wall_spread_s": spread,
-                "indirect_cpu_s": cpu - direct_cpu, "indirect_wall_s": wall - direct_wall, "version": peer.version(),
-            }
-            self._add("radiance", threads, setting, point, image - direct_image)
+            used = setting if peer.has_sky() else {}
+            key = threads, json.dumps(used)
+            if key not in direct:
+                direct[key] = self._repeat(lambda: peer.irradiance(0, threads, used))
+            direct_image, direct_times, _ = direct[key]
+            image, times, records = self._repeat(lambda: peer.irradiance(self.options.bounces, threads, setting))
+            less = direct_times["cpu_s"], direct_times["wall_s"]
+            point = {"records": records, "setup_cpu_s": peer.setup.cpu_s, "version": peer.version()}
+            self._add("radiance", threads, setting, point | times | _indirect(times, less), image - direct_image)
 
     def mitsuba(self) -> None:
         """Mitsuba's points."""
         import mitsuba_path
 
-        peer = mitsuba_path.export(self.scene, self.rays, self.shape, self.folder / "mitsuba")
+        peer = mitsuba_path.export(self.scene, self.folder / "mitsuba")
         if peer is None:
             return
         given = [{"sampler": "multijitter"} | setting for setting in self.options.mitsuba or []]
         for threads, setting in self._missing("mitsuba", self._settings(given, mitsuba_path.SETTINGS)):
-            image, (cpu, wall, spread), _ = self._repeat(
-                lambda: (*peer.irradiance(self.options.bounces, threads, setting), 0)
-            )
-            point = {
-                "records": 0, "setup_cpu_s": peer.setup.cpu_s, "cpu_s": cpu, "wall_s": wall, "wall_spread_s": spread,
-                "indirect_cpu_s": cpu, "indirect_wall_s": wall, "version": peer.version(),
-            }
-            self._add("mitsuba", threads, setting, point, image)
+            image, times, _ = self._repeat(lambda: (*peer.irradiance(self.options.bounces, threads, setting), 0))
+            point = {"records": 0, "setup_cpu_s": peer.setup.cpu_s, "version": peer.version()}
+            self._add("mitsuba", threads, setting, point | times | _indirect(times, (0, 0)), image)
 
     def _settings(self, given: list[dict[str, Any]] | None, built_in: list[dict[str, Any]]) -> list[dict[str, Any]]:
         return given or (built_in[:2] if self.options.quick else built_in)
 
     def _missing(self, method: str, settings: list[dict[str, Any]]) -> list[tuple[int, dict[str, Any]]]:
-        known = {tuple(point[k] for k in KEY) for point in self.done}
-        points = [(threads, setting) for setting in settings for threads in dict.fromkeys(self.threads)]
-        return [(t, s) for t, s in points if tuple(self._key(method, t, s).values()) not in known]
+        known = {tuple(point[k] for k in points.KEY) for point in self.done}
+        wanted = [(threads, setting) for setting in settings for threads in dict.fromkeys(self.threads)]
+        return [(t, s) for t, s in wanted if tuple(self._key(method, t, s).values()) not in known]
 
     def _key(self, method: str, threads: int, setting: dict[str, Any]) -> dict[str, str]:
-        height, width = self.shape
+        height, width = self.truth.shape[:2]
         name, bounces = self.options.scene.stem, self.options.bounces
         values = [name, width, height, bounces, method, json.dumps(setting, sort_keys=True), threads]
-        return dict(zip(KEY, map(str, values), strict=True))
+        return dict(zip(points.KEY, map(str, values), strict=True))
 
-    def _repeat(self, run: Any) -> tuple[Any, tuple[float, float, float], int]:
-        """The image and count of the last of the runs; median CPU and wall seconds, and the walls' spread."""
+    def _repeat(self, run: Any) -> tuple[Any, dict[str, Any], int]:
+        """The image and count of the last of the runs; median seconds and their spread."""
         from statistics import median
 
         times = []
         for _ in range(1 if self.options.quick else self.options.repeats):
             image, timed, count = run()
             times.append(timed)
-        walls = [timed.wall_s for timed in times]
-        return image, (median(timed.cpu_s for timed in times), median(walls), max(walls) - min(walls)), count
+            if timed.wall_s > LONG:
+                break
+        walls, cpus = [timed.wall_s for timed in times], [timed.cpu_s for timed in times]
+        figures = {
+            "repeats": len(times), "cpu_s": median(cpus), "wall_s": median(walls),
+            "wall_spread_s": max(walls) - min(walls), "indirect_cpu_spread_s": max(cpus) - min(cpus),
+        }
+        return image, figures, count
 
     def _add(self, method: str, threads: int, setting: dict[str, Any], point: dict[str, Any], image: Any) -> None:
         import metrics
 
         point |= self._key(method, threads, setting) | metrics.compare(image, self.truth, self.mask)
-        point |= {"repeats": 1 if self.options.quick else self.options.repeats, "reference": self.options.reference.name}
+        point |= {"reference": self.options.reference.name}
         text = {name: f"{value:.6g}" if isinstance(value, float) else str(value) for name, value in point.items()}
         self.done.append(text)
-        append_point(self.options.output, text)
+        points.append(self.options.output, text)
         print(
-            f"{method} {text['settings']} on {threads}: {text['cpu_s']} CPU s, {text['wall_s']} s, mae {text['mae']}",
+            f"{method} {text['settings']} on {threads}: {text['indirect_cpu_s']} CPU s, {text['indirect_wall_s']} s, "
+            f"mae {text['mae']}, energy {text['energy']}",
             file=sys.stderr,
         )
         if self.options.images:
-            self._keep(f"{self.options.scene.stem}-{method}-{len(self.done)}.exr", image)
+            import exr
 
-    def _keep(self, name: str, image: Any) -> None:
-        import mitsuba
-        import numpy as np
-
-        self.options.images.mkdir(parents=True, exist_ok=True)
-        names = [f"irradiance.{c}" for c in "RGB"]
-        pixels = np.ascontiguousarray(image, np.float32)
-        bitmap = mitsuba.Bitmap(pixels, mitsuba.Bitmap.PixelFormat.MultiChannel, channel_names=names)
-        bitmap.write(str(self.options.images / name))
+            self.options.images.mkdir(parents=True, exist_ok=True)
+            exr.write(self.options.images / f"{self.options.scene.stem}-{method}-{len(self.done)}.exr", image)
 
 
-def read_points(path: Path) -> list[dict[str, str]]:
-    """Points of earlier runs."""
-    if not path.is_file():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def append_point(path: Path, point: dict[str, str]) -> None:
-    """Adds a line, so that a run that is broken off keeps what it has."""
-    is_new = not path.is_file()
-    with path.open("a", newline="") as file:
-        writer = csv.DictWriter(file, COLUMNS)
-        if is_new:
-            writer.writeheader()
-        writer.writerow(point)
-
-
-def table(points: list[dict[str, str]]) -> str:
-    """All points as Markdown; times are those of indirect light alone."""
-    lines = [
-        "| scene | method | settings | threads | records | CPU s | wall s | error (mean abs.) | 4×4 blocks | 99th pct. | energy |",
-        "|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|",
-    ]
-    for p in points:
-        settings = " ".join(f"{name} {value}" for name, value in json.loads(p["settings"]).items())
-        percent = [f"{100 * float(p[name]):.1f} %" for name in ("mae", "block_mae", "p99")]
-        times = [f"{float(p[name]):.2f}" for name in ("indirect_cpu_s", "indirect_wall_s")]
-        scene = f"{p['scene']} {p['width']}×{p['height']}"
-        cells = [scene, p["method"], settings, p["threads"], p["records"], *times, *percent, f"{float(p['energy']):.3f}"]
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
+def _indirect(times: dict[str, Any], direct: tuple[float, float]) -> dict[str, float]:
+    return {"indirect_cpu_s": times["cpu_s"] - direct[0], "indirect_wall_s": times["wall_s"] - direct[1]}
 
 
 def main() -> None:
     """Runs what is asked for, point by point."""
     options = arguments()
-    enter_environment()
+    environment.enter()
     if os.getloadavg()[0] > 0.5:
         print("note: this machine is busy with something else: wall times will be too long", file=sys.stderr)
     runner = Runner(options)
     for peer in options.peers.split(","):
-        if peer not in ("radiance", "mitsuba"):
-            raise SystemExit(f"no peer '{peer}': radiance, mitsuba")
         getattr(runner, peer)()
-    print(table(runner.done))
 
 
 if __name__ == "__main__":
