@@ -69,8 +69,13 @@ pub fn render(
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
-    let plan = Plan::of(scene, settings, Some(device));
     let mut clock = Clock::new();
+    let cut = settings.longest_side().map(|share| tessellated(scene, share));
+    let scene = cut.as_ref().unwrap_or(scene);
+    if cut.is_some() {
+        clock.lap("tessellate");
+    }
+    let plan = Plan::of(scene, settings, Some(device));
     let size = [settings.width, settings.height];
     let view = View::new(scene, camera, size);
 
@@ -173,6 +178,12 @@ fn build_lights(
 ) -> Result<Vec<DirectLight>, VulkanError> {
     let needed = |set: &LightSet| cells || !set.cells_only;
     sets.into_iter().filter(needed).map(|set| DirectLight::new(device, set, ground, pixels, cells)).collect()
+}
+
+/// The scene with no side longer than a share of its diagonal.
+fn tessellated(scene: &Scene, share: f32) -> Scene {
+    let (low, high) = scene.bounds();
+    scene.tessellated((high - low).length() * share)
 }
 
 /// Splits the time since it was made into named stages.

@@ -3,7 +3,7 @@
 mod common;
 
 use common::build::{diffuse, emitter};
-use common::{Builder, check_complete, draw, each_capture, look, small};
+use common::{Builder, check_complete, draw, every_capture, look, small};
 use glam::{DVec3, Mat3, Vec3, Vec4, dvec3, vec3};
 use hemicube::renderer::Settings;
 use hemicube::scene::{Background, EnvironmentMap, Light, Material, TextureRef, cornell};
@@ -34,7 +34,7 @@ fn a_deliberate_hazard_is_counted() {
 #[test]
 fn the_cornell_box() {
     let scene = cornell();
-    for settings in each_capture(small(64)) {
+    for settings in every_capture(small(64)) {
         check_complete(&draw(&scene, &scene.cameras[0], &settings));
     }
 }
@@ -61,7 +61,7 @@ fn textures_masks_and_normal_maps() {
     b.ceiling(lamp, 0.98, 0.4);
     let camera = look(dvec3(0.9, 0.6, 0.9), dvec3(0.0, -0.2, 0.0), 70.0);
     let scene = b.build();
-    for settings in each_capture(small(64)) {
+    for settings in every_capture(small(64)) {
         check_complete(&draw(&scene, &camera, &settings));
     }
 }
@@ -75,7 +75,7 @@ fn an_open_scene_under_a_sky_map() {
     let rgb = (0..32 * 16).map(|i| [1.0 + (i % 32) as f32 / 32.0, 1.0, 2.0 - i as f32 / 512.0]).collect();
     b.background(Background::Map(EnvironmentMap { width: 32, height: 16, rgb }));
     let scene = b.build();
-    for settings in each_capture(small(64)) {
+    for settings in every_capture(small(64)) {
         check_complete(&draw(&scene, &look(dvec3(2.0, 2.0, 3.0), DVec3::ZERO, 60.0), &settings));
     }
 }
@@ -99,7 +99,7 @@ fn every_kind_of_light_at_once() {
     }
     b.light(Light::Directional { direction: vec3(1.0, -2.0, 0.5).normalize(), irradiance: Vec3::ONE });
     let scene = b.build();
-    for settings in each_capture(small(64)) {
+    for settings in every_capture(small(64)) {
         check_complete(&draw(&scene, &look(dvec3(2.0, 2.0, 3.0), DVec3::ZERO, 60.0), &settings));
     }
 }

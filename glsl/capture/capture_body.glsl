@@ -19,7 +19,7 @@ out float gl_ClipDistance[1];
 void main() {
     Frame frame = frames[push.frame];
     gl_Position = project(VIEWS, gl_ViewIndex, frame, position);
-    gl_ClipDistance[0] = HAS_HORIZON != 0 ? dot(frame.horizon.xyz, position) + frame.horizon.w : 1.0;
+    gl_ClipDistance[0] = HAS_HORIZON != 0 ? above_horizon(VIEWS, frame, position) : 1.0;
 #ifdef TRIANGLE
     triangle = TRIANGLE;
 #endif

@@ -27,7 +27,7 @@ void main() {
     vec3 position = vec3(positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]);
     Frame frame = frames[push.frame];
     gl_Position = project(VIEWS, gl_ViewIndex, frame, position);
-    gl_ClipDistance[0] = HAS_HORIZON != 0 ? dot(frame.horizon.xyz, position) + frame.horizon.w : 1.0;
+    gl_ClipDistance[0] = HAS_HORIZON != 0 ? above_horizon(VIEWS, frame, position) : 1.0;
 #ifdef TEXTURED
     uvs = vec4(uv0_of(vertex), uv1_of(vertex));
 #endif

@@ -28,6 +28,7 @@ bool sees(uint view, Frame frame, vec4 sphere) {
     vec3 l = to_local(frame, d);
     if (VIEWS == VIEWS_ORTHOGRAPHIC)
         return abs(l.x) - r <= 1.0 / frame.tangent.w && abs(l.y) - r <= 1.0 / frame.bitangent.w;
+    if (VIEWS == VIEWS_HEMISPHERE) return l.z >= -r;
     vec3 f = face_coordinates(view, l);
     if (VIEWS == VIEWS_PLANE) {
         vec2 k = 1.0 / vec2(frame.tangent.w, frame.bitangent.w);

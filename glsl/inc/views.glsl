@@ -41,11 +41,22 @@ uint face_of(vec3 l) {
     return l.y >= 0.0 ? 3 : 4;
 }
 
+// Positive above the plane that a view is cut at: the surface's own, or that of the axis where what is below it would be
+// folded over.
+float above_horizon(uint views, Frame frame, vec3 p) {
+    if (views == VIEWS_HEMISPHERE) return dot(frame.normal.xyz, p - frame.origin.xyz);
+    return dot(frame.horizon.xyz, p) + frame.horizon.w;
+}
+
 // Clip-space position. Reversed depth: near/forward, so that single precision keeps its relative accuracy at any range.
 vec4 project(uint views, uint view, Frame frame, vec3 p) {
     vec3 l = to_local(frame, p - frame.origin.xyz);
     if (views == VIEWS_ORTHOGRAPHIC)
         return vec4(l.x * frame.tangent.w, -l.y * frame.bitangent.w, 1.0 - l.z * frame.normal.w, 1.0);
+    // The direction's xy by way of the division by w. A point between two vertices is not where their chord has it, but
+    // straight sides stay shared, and w is never less than the distance: nothing leaves the disc, and what is clipped at
+    // the horizon keeps its azimuth.
+    if (views == VIEWS_HEMISPHERE) return vec4(l.x, -l.y, frame.origin.w, length(l));
     vec3 f = face_coordinates(view, l);
     if (views == VIEWS_PLANE) f.xy *= vec2(frame.tangent.w, frame.bitangent.w);
     return vec4(f.x, -f.y, frame.origin.w, f.z);

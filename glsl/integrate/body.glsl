@@ -1,6 +1,6 @@
 // Irradiance, its gradients and the harmonic mean distance of each record of a batch, from its captured views. One
-// workgroup a record; every sum has a fixed order. Texels and edges come as tables (src/math/hemicube.rs), so that the
-// same pass serves any set of views. CPU twin: math::hemicube::integrate.
+// workgroup a record; every sum has a fixed order. Texels and edges come as tables (src/math/capture.rs), so that the same
+// pass serves any projection. CPU twin: math::capture::Table::integrate.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
 #include "inc/views.glsl"
@@ -10,8 +10,9 @@ layout(local_size_x = THREADS) in;
 layout(constant_id = 0) const uint HAS_SKY = 0;
 layout(constant_id = 1) const uint HAS_ROTATION = 1;
 layout(constant_id = 2) const uint HAS_TRANSLATION = 1;
+layout(constant_id = 3) const uint IS_CURVED = 0;  // triangles' sides are curves, drawn as chords
 
-struct Texel { vec4 direction; uvec4 place; };  // local unit direction, cosine weight | layer<<16 | y<<8 | x, solid angle, forward
+struct Texel { vec4 direction; uvec4 place; };  // local unit direction, cosine weight | layer<<16 | y<<8 | x, forward, ∫ n×ω dω
 struct Edge { vec4 step_; uvec4 texels; };      // tan(γ/2)·n·(a+b)·m from i to j (local) | i, j
 
 layout(set = 0, binding = 0, std430) readonly buffer Positions { float positions[]; };
@@ -37,6 +38,7 @@ layout(push_constant) uniform Push {
     uint edge_count;
     uint tile_size;
     uint columns;
+    float inverse_weight;  // 1/Σ of the cosine weights
     float accuracy;      // Ward's a
     float min_radius;    // of the zone of influence, in pixels
     float max_radius;
@@ -67,8 +69,22 @@ uvec2 look(uint record, uint i, uvec2 tile, Texel texel, float near) {
 #else
     ivec3 at = ivec3(tile + uvec2(texel.place.x & 255, (texel.place.x >> 8) & 255), texel.place.x >> 16);
     float depth = texelFetch(depths, at, 0).x;
-    return uvec2(texelFetch(identities, at, 0).x, floatBitsToUint(depth * uintBitsToFloat(texel.place.z) / near));
+    return uvec2(texelFetch(identities, at, 0).x, floatBitsToUint(depth * uintBitsToFloat(texel.place.y) / near));
 #endif
+}
+
+// Where chords stand for curves, a texel may see a triangle beside itself: side and 1/distance as bits come from the
+// triangle, at the direction's point on it or the nearest one to that.
+uvec2 look_closely(uint identity, vec3 origin, vec3 direction) {
+    uint triangle = (identity & 0x7fffffffu) - 1;
+    uvec3 c = corners_of(triangle);
+    vec3 p0 = position_of(c.x), e1 = position_of(c.y) - p0, e2 = position_of(c.z) - p0, s = origin - p0;
+    vec3 h = cross(direction, e2);
+    float volume = dot(e1, h);
+    vec2 uv = clamp(vec2(dot(s, h), dot(direction, cross(s, e1))) * (volume == 0.0 ? 0.0 : 1.0 / volume), 0.0, 1.0);
+    uv /= max(1.0, uv.x + uv.y);
+    bool front = dot(cross(e1, e2), s) > 0.0;
+    return uvec2((triangle + 1) | (front ? 0x80000000u : 0), floatBitsToUint(1.0 / length(uv.x * e1 + uv.y * e2 - s)));
 }
 
 struct Sums { vec4 irradiance; vec3 rotation[3]; };  // irradiance.w: Σ w/d
@@ -80,18 +96,19 @@ void gather(uint record, Frame frame, out Sums lit, out Sums open) {
     for (uint i = gl_LocalInvocationID.x; i < push.texel_count; i += THREADS) {
         Texel texel = texels[i];
         uvec2 hit = look(record, i, tile, texel, frame.origin.w);
-        uint identity = hit.x;
         vec3 direction = to_world(frame, texel.direction.xyz);
+        if (IS_CURVED != 0 && hit.x != 0) hit = look_closely(hit.x, frame.origin.xyz, direction);
+        uint identity = hit.x;
         float weight = texel.direction.w;
-        float solid_angle = uintBitsToFloat(texel.place.y);
-        vec3 turn = solid_angle * vec3(-texel.direction.y, texel.direction.x, 0.0);  // n × ω
+        vec3 turn = vec3(uintBitsToFloat(texel.place.z), uintBitsToFloat(texel.place.w), 0.0);
         vec4 seen = vec4(0.0);
         vec3 beyond = vec3(0.0);
-        if (identity != 0) {
+        bool above = dot(direction, frame.horizon.xyz) > 0.0;
+        if (identity != 0 && above) {
             uint triangle = (identity & 0x7fffffffu) - 1;
             seen.rgb = surface_radiance(triangle, identity >= 0x80000000u, frame.origin.xyz, direction);
             seen.w = uintBitsToFloat(hit.y);
-        } else if (HAS_SKY != 0 && dot(direction, frame.horizon.xyz) > 0.0) {
+        } else if (HAS_SKY != 0 && above) {
             beyond = sky_radiance(direction);
         }
         lit.irradiance += weight * seen;
@@ -160,7 +177,7 @@ void main() {
         barrier();
         slide(record, lit_moves, open_moves);
     }
-    float inverse_r = sum_all(lit.irradiance).w / PI;
+    float inverse_r = sum_all(lit.irradiance).w * push.inverse_weight;
     Payload p = total(frame, lit, lit_moves, 1.0);
     float wanted, radius = zone_radius(inverse_r, p, records[record].geometric.w, wanted);
     // Beyond the radius that the gradient is good for, it is damped to stay bounded.

@@ -21,6 +21,7 @@ layout(push_constant) uniform Push {
     uint seed;
     float near;
     float lift;        // how far a capture's origin stands off its surface
+    float scale;       // of a capture's axes
 } push;
 
 void main() {
@@ -41,8 +42,8 @@ void main() {
 
     Frame frame;
     frame.origin = vec4(origin, push.near);
-    frame.tangent = vec4(t, 1.0);
-    frame.bitangent = vec4(cross(n, t), 1.0);
+    frame.tangent = vec4(t, push.scale);
+    frame.bitangent = vec4(cross(n, t), push.scale);
     frame.normal = vec4(n, 1.0);
     frame.horizon = vec4(ng, -dot(ng, origin));
     frames[at] = frame;

@@ -53,6 +53,7 @@ const uint VIEWS_HEMICUBE = 0;      // five faces, the sides cut at the frame's 
 const uint VIEWS_CUBE = 1;          // six faces
 const uint VIEWS_PLANE = 2;         // one perspective view along the axis
 const uint VIEWS_ORTHOGRAPHIC = 3;  // one parallel view along the axis
+const uint VIEWS_HEMISPHERE = 4;    // all that lies above the axis's own horizon, projected onto the disc below it
 
 // Kinds of light samples.
 const uint LIGHT_DIRECTIONAL = 0;

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use hemicube::image::tone::{Look, ToneMap};
 use hemicube::image::{LayerSet, exr, png};
-use hemicube::methods::captures::CaptureMode;
+use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
 use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -66,9 +66,19 @@ pub struct RenderArgs {
     /// How records look at the scene
     #[arg(long, value_enum, default_value = "auto", help_heading = "Irradiance cache")]
     capture: CaptureArg,
-    /// Texels a side of a hemicube's top, even, 8 to 256
+    /// Texels a side of a capture (a hemicube's top), even, 8 to 256
     #[arg(long, value_name = "N", help_heading = "Irradiance cache")]
     capture_size: Option<u32>,
+    /// Full angle that --capture plane sees along each axis, in degrees, 10 to 170; 126.87 is twice as wide as it is far
+    #[arg(long, value_name = "DEGREES", default_value_t = PLANE_APERTURE, help_heading = "Irradiance cache")]
+    aperture: f64,
+    /// Whether texels at the border of --capture plane stand for what it does not see; without it that is black
+    #[arg(long, value_enum, default_value = "on", help_heading = "Irradiance cache")]
+    compensation: CompensationArg,
+    /// Cut triangles so that no side is longer than this share of the scene's diagonal; --capture hemisphere, which draws
+    /// curved sides straight, does so by itself
+    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
+    tessellate: Option<f32>,
     /// Irradiance gradients that records are extrapolated with
     #[arg(long, value_enum, default_value = "both", help_heading = "Irradiance cache")]
     gradients: GradientsArg,
@@ -125,8 +135,21 @@ enum CaptureArg {
     Auto,
     /// Multi-view hemicubes by render passes
     Hemicube,
+    /// One perspective view along the normal, of --aperture
+    Plane,
+    /// One view projected onto the disc below the hemisphere; wants triangles that are small as seen from everywhere
+    Hemisphere,
     /// Hemicubes rasterised in compute, in shared memory
     Compute,
+}
+
+/// `--compensation`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CompensationArg {
+    /// The texels at the border stand for what lies between them and the horizon
+    On,
+    /// What is not seen is black
+    Off,
 }
 
 /// `--gradients`
@@ -235,6 +258,10 @@ impl RenderArgs {
             CaptureArg::Auto => CaptureMode::Auto,
             CaptureArg::Hemicube => CaptureMode::Hemicube,
             CaptureArg::Compute => CaptureMode::Compute,
+            CaptureArg::Plane => {
+                CaptureMode::Plane { aperture: self.aperture, compensated: self.compensation == CompensationArg::On }
+            }
+            CaptureArg::Hemisphere => CaptureMode::Hemisphere,
         };
         cache.seed = self.seed;
         let has = |kind| self.gradients == kind || self.gradients == GradientsArg::Both;
@@ -246,6 +273,7 @@ impl RenderArgs {
         };
         set_u32(&mut settings.lights.area_samples, self.light_samples);
         settings.surface_cells = self.surface_cells;
+        settings.tessellation = self.tessellate;
         settings.planes = match kind {
             Kind::Exr => Plane::ALL.into_iter().filter(|p| self.layers.contains(layer_name(*p))).collect(),
             Kind::Png => vec![Plane::Final],

@@ -1,7 +1,7 @@
 //! Pure functions: measures, gradients, bounds. No I/O, no GPU; each integrating shader has its twin here.
 
+pub mod capture;
 pub mod form_factor;
-pub mod hemicube;
 pub mod sampling;
 pub mod sequence;
 pub mod ward;

@@ -1,93 +1,151 @@
 //! How records look at the scene: the capture passes, one interface.
 
 use super::Ground;
+use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::CaptureCompute;
-use crate::passes::integrate::Captured;
+use crate::passes::integrate::{Captured, CapturedBy};
 use crate::scene::{Part, Scene};
 use crate::vk::pass::Recording;
 use crate::vk::{Buffer, Device, Result};
 use std::sync::Arc;
 
+/// Usual aperture of a plane, in degrees: its half width is 2 at distance 1.
+pub const PLANE_APERTURE: f64 = 126.87;
 /// How far a capture stands off its surface, relative to the scene's size: a few units in the last place of positions.
 pub const LIFT: f32 = 4e-6;
-/// Near distance of captures, relative to the scene's size.
-pub const NEAR: f32 = LIFT * 0.25;
+/// Near distance of captures, relative to the scene's size. Reversed depth near/distance keeps its relative precision
+/// wherever the near plane is: at 2⁻⁴⁰, far below the last place of any position, no corner of a wall beside a record is
+/// cut off.
+pub const NEAR: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// How records look at the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum CaptureMode {
-    /// In compute where that fits and the device is a CPU, whose vertex stage runs on one core; else by render passes.
+    /// Hemicubes: in compute where that fits and the device is a CPU, whose vertex stage runs on one core; else by render
+    /// passes.
     #[default]
     Auto,
-    /// Multi-view render passes.
+    /// Hemicubes by multi-view render passes.
     Hemicube,
-    /// In compute where that fits (no alpha masks, at most 2¹⁹ triangles), whatever the device.
+    /// One perspective view along the normal.
+    Plane {
+        /// Full angle that it sees along each axis, in degrees.
+        aperture: f64,
+        /// Whether the texels at its border stand for what it does not see.
+        compensated: bool,
+    },
+    /// One view, projected onto the disc below the hemisphere in the vertex stage. Sides of triangles, which are curves
+    /// there, are drawn straight: it wants a scene that is cut small ([`Scene::tessellated`]).
+    Hemisphere,
+    /// Hemicubes in compute where that fits, whatever the device.
     Compute,
 }
 
 impl CaptureMode {
-    /// Whether captures of `scene` at `size` texels a side run in compute: wished for, and possible there.
-    pub fn in_compute(self, device: &Device, scene: &Scene, size: u32) -> bool {
-        let wanted = self == Self::Compute || (self == Self::Auto && device.is_cpu());
+    /// How directions become texels.
+    pub fn projection(self) -> Projection {
+        match self {
+            Self::Auto | Self::Hemicube | Self::Compute => Projection::Hemicube,
+            Self::Plane { aperture, compensated } => {
+                Projection::Plane { half_width: (aperture / 2.0).to_radians().tan(), compensated }
+            }
+            Self::Hemisphere => Projection::Hemisphere,
+        }
+    }
+
+    /// Why captures of `scene` at `size` texels a side do not run in compute; none if they are to and can.
+    pub fn against_compute(self, device: &Device, scene: &Scene, size: u32) -> Option<String> {
         let masked = |part: &Part| scene.materials[part.material as usize].alpha_cutoff.is_some();
-        wanted && !scene.parts.iter().any(masked) && CaptureCompute::holds(device, scene.triangles.len(), size)
+        match self {
+            Self::Auto if !device.is_cpu() => Some("the device is a GPU, which is faster by render passes".into()),
+            Self::Hemicube => Some("hemicubes by render passes are asked for".into()),
+            Self::Plane { .. } => Some("planes are captured by render passes".into()),
+            Self::Hemisphere => Some("hemispheres are captured by render passes".into()),
+            _ if scene.parts.iter().any(masked) => Some("a material has an alpha mask".into()),
+            _ => CaptureCompute::misfit(device, scene.triangles.len(), size),
+        }
     }
 }
 
+/// The captures of a batch of records.
+pub struct Captures {
+    by: By,
+    /// How directions become texels.
+    pub projection: Projection,
+    /// Texels a side.
+    pub size: u32,
+    /// Records of a batch.
+    pub capacity: u32,
+}
+
 /// The pass that captures, boxed for their sizes differ.
-pub enum Captures {
-    /// Render passes.
+enum By {
     Render(Box<Capture>),
-    /// Compute.
     Compute(Box<CaptureCompute>),
 }
 
 impl Captures {
-    /// Builds captures of `size` texels a side, and says how many records a batch holds.
-    pub fn new(device: &Arc<Device>, ground: &Ground<'_>, in_compute: bool, size: u32) -> Result<(Self, u32)> {
-        let geometry = ground.geometry;
+    /// Builds captures of `size` texels a side; `in_compute` as the plan says.
+    pub fn new(
+        device: &Arc<Device>,
+        ground: &Ground<'_>,
+        in_compute: bool,
+        (mode, size): (CaptureMode, u32),
+    ) -> Result<Self> {
+        let (geometry, projection) = (ground.geometry, mode.projection());
+        let views = views(projection);
+        let capacity = batch_size(size, views);
         if in_compute {
-            let capacity = batch_size(size);
-            return Ok((Self::Compute(Box::new(CaptureCompute::new(device, geometry, size, capacity)?)), capacity));
+            let by = By::Compute(Box::new(CaptureCompute::new(device, geometry, size, capacity)?));
+            return Ok(Self { by, projection, size, capacity });
         }
         let desc = CaptureDesc {
             name: "capture",
-            views: Views::Hemicube,
+            views,
             size,
-            capacity: batch_size(size),
+            capacity,
             identity: true,
             culled: pays_to_cull(device, geometry.triangle_count),
         };
         let capture = Capture::new(device, ground.scene, geometry, ground.textures, desc)?;
         let capacity = capture.desc.capacity;
-        Ok((Self::Render(Box::new(capture)), capacity))
+        Ok(Self { by: By::Render(Box::new(capture)), projection, size, capacity })
     }
 
     /// Frames to look from.
     pub fn frames(&self) -> &Buffer {
-        match self {
-            Self::Render(capture) => &capture.frames,
-            Self::Compute(capture) => &capture.frames,
+        match &self.by {
+            By::Render(capture) => &capture.frames,
+            By::Compute(capture) => &capture.frames,
+        }
+    }
+
+    /// Scale of a frame's axes: 1/half width of a plane.
+    pub fn scale(&self) -> f32 {
+        match self.projection {
+            Projection::Plane { half_width, .. } => half_width.recip() as f32,
+            _ => 1.0,
         }
     }
 
     /// What [`crate::passes::integrate`] reads.
     pub fn captured(&self) -> Captured<'_> {
-        match self {
-            Self::Render(capture) => Captured::Render(capture),
-            Self::Compute(capture) => Captured::Compute(capture),
-        }
+        let by = match &self.by {
+            By::Render(capture) => CapturedBy::Render(capture),
+            By::Compute(capture) => CapturedBy::Compute(capture),
+        };
+        Captured { by, projection: self.projection, size: self.size, capacity: self.capacity }
     }
 
     /// Captures the first `count` frames.
     pub fn record(&self, recording: &mut Recording<'_>, ground: &Ground<'_>, count: u32) -> Result<()> {
-        match self {
-            Self::Compute(capture) => recording.pass("capture_compute", |c| {
+        match &self.by {
+            By::Compute(capture) => recording.pass("capture_compute", |c| {
                 capture.record(c, count);
                 Ok(())
             }),
-            Self::Render(capture) => {
+            By::Render(capture) => {
                 if capture.is_culled() {
                     recording.pass("cull", |c| {
                         capture.record_cull(c, count);
@@ -103,7 +161,20 @@ impl Captures {
     }
 }
 
+fn views(projection: Projection) -> Views {
+    match projection {
+        Projection::Hemicube => Views::Hemicube,
+        Projection::Plane { .. } => Views::Plane,
+        Projection::Hemisphere => Views::Hemisphere,
+    }
+}
+
 /// Frames of a batch: about 64 MB of texels with all that goes with them.
-fn batch_size(capture_size: u32) -> u32 {
-    ((64 << 20) / (capture_size * capture_size * (5 * 8 + 3 * 16))).clamp(1, 1024)
+fn batch_size(size: u32, views: Views) -> u32 {
+    // Identity and depth a view, radiance and the sky's a texel above the horizon.
+    let bytes = match views.count() {
+        1 => 8 + 16,
+        count => count * 8 + 3 * 16,
+    };
+    ((64 << 20) / (size * size * bytes)).clamp(1, 1024)
 }

@@ -25,7 +25,7 @@ pub struct CacheSettings {
     pub accuracy: f32,
     /// How records look at the scene.
     pub capture: CaptureMode,
-    /// Texels a side of a hemicube's top.
+    /// Texels a side of a capture; of a hemicube's top.
     pub capture_size: u32,
     /// Gradients to extrapolate with.
     pub gradients: Gradients,
@@ -76,7 +76,6 @@ pub struct Features<'a> {
 pub struct IrradianceCache {
     settings: CacheSettings,
     captures: Captures,
-    capacity: u32,
     find: FindUncovered,
     place: PlaceRecords,
     integrate: Integrate,
@@ -97,7 +96,8 @@ impl IrradianceCache {
     ) -> Result<Self> {
         let geometry = ground.geometry;
         let Features { sky, in_compute, counts_records } = features;
-        let (captures, capacity) = Captures::new(device, ground, in_compute, settings.capture_size)?;
+        let captures = Captures::new(device, ground, in_compute, (settings.capture, settings.capture_size))?;
+        let capacity = captures.capacity;
         let records = u64::from(capacity) * size_of::<Record>() as u64;
         let records = Buffer::new(device, "records", records, Memory::Device)?;
         let payloads = u64::from(capacity) * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
@@ -116,10 +116,9 @@ impl IrradianceCache {
             max_radius: (settings.max_radius * height).max(min_radius),
             scene_radius: geometry.radius,
         };
-        let captured = (&captures.captured(), settings.capture_size, capacity);
-        let integrate = Integrate::new(device, geometry, captured, both, sky, settings.gradients, limits)?;
+        let integrate = Integrate::new(device, geometry, &captures.captured(), both, sky, settings.gradients, limits)?;
         let (_records, _payloads) = (records, payloads);
-        Ok(Self { settings, captures, capacity, find, place, integrate, splat, _records, _payloads })
+        Ok(Self { settings, captures, find, place, integrate, splat, _records, _payloads })
     }
 
     /// Fills the cache until every pixel is covered. `progress` hears the records so far and the share of rounds done.
@@ -165,14 +164,14 @@ impl IrradianceCache {
         found: u32,
         next: Option<Lattice>,
     ) -> Result<()> {
-        let capacity = self.capacity;
+        let capacity = self.captures.capacity;
         let batches = found.div_ceil(capacity).max(1);
         for batch in 0..batches {
             let first = batch * capacity;
             let count = (found - first.min(found)).min(capacity);
             recorder.submit(|recording| {
                 if count > 0 {
-                    let placement = Placement { first, count, ..viewpoint.placement };
+                    let placement = Placement { first, count, scale: self.captures.scale(), ..viewpoint.placement };
                     self.batch(recording, ground, placement, &viewpoint.view)?;
                 }
                 match next.filter(|_| batch + 1 == batches) {

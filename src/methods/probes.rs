@@ -57,7 +57,7 @@ pub struct Probe {
 pub struct ProbeSettings {
     /// How places look at the scene.
     pub capture: CaptureMode,
-    /// Texels a side of a hemicube's top: even, from 8 to 256.
+    /// Texels a side of a capture (a hemicube's top): even, from 8 to 256.
     pub capture_size: u32,
     /// Gradients that are computed.
     pub gradients: Gradients,
@@ -88,7 +88,6 @@ pub struct Probes<'a> {
     textures: Option<Textures>,
     captures: Captures,
     integrate: Integrate,
-    capacity: u32,
     records: Buffer,
     payloads: Buffer,
     results: [Buffer; 2],
@@ -105,14 +104,15 @@ impl<'a> Probes<'a> {
     ) -> Result<Self> {
         let size = settings.capture_size;
         let textures = Textures::new(device, scene)?;
-        let in_compute = settings.capture.in_compute(device, scene, size);
+        let in_compute = settings.capture.against_compute(device, scene, size).is_none();
         let geometry = Geometry::new(device, scene, settings.surface_cells, in_compute)?;
         let has_sky = !scene.background.is_black();
         let sky = has_sky.then(|| upload_sky(device, &scene.background)).transpose()?;
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };
         light_surfaces(device, recorder, &ground, &settings.lights, has_sky)?;
 
-        let (captures, capacity) = Captures::new(device, &ground, in_compute, size)?;
+        let captures = Captures::new(device, &ground, in_compute, (settings.capture, size))?;
+        let capacity = captures.capacity;
         let buffer = |bytes: usize, memory| Buffer::new(device, "records", u64::from(capacity) * bytes as u64, memory);
         let payload_bytes = size_of::<Payload>() * if has_sky { 2 } else { 1 };
         let records = buffer(size_of::<Record>(), Memory::Device)?;
@@ -125,10 +125,10 @@ impl<'a> Probes<'a> {
             max_radius: f32::MAX,
             scene_radius: geometry.radius,
         };
-        let captured = (&captures.captured(), size, capacity);
         let both = (&records, &payloads);
-        let integrate = Integrate::new(device, &geometry, captured, both, sky.as_ref(), settings.gradients, limits)?;
-        Ok(Self { scene, geometry, textures, captures, integrate, capacity, records, payloads, results, sky })
+        let integrate =
+            Integrate::new(device, &geometry, &captures.captured(), both, sky.as_ref(), settings.gradients, limits)?;
+        Ok(Self { scene, geometry, textures, captures, integrate, records, payloads, results, sky })
     }
 
     /// Measures all `places`, in batches; `done` hears how many a batch had.
@@ -139,7 +139,7 @@ impl<'a> Probes<'a> {
         mut done: impl FnMut(usize),
     ) -> Result<Vec<Probe>> {
         let mut probes = Vec::with_capacity(places.len());
-        for batch in places.chunks(self.capacity as usize) {
+        for batch in places.chunks(self.captures.capacity as usize) {
             self.batch(recorder, batch)?;
             probes.extend(self.read(batch.len()));
             done(batch.len());
@@ -149,7 +149,7 @@ impl<'a> Probes<'a> {
 
     fn batch(&self, recorder: &mut Recorder, places: &[Place]) -> Result<()> {
         let radius = self.geometry.radius;
-        let frames: Vec<Frame> = places.iter().map(|place| frame(place, radius)).collect();
+        let frames: Vec<Frame> = places.iter().map(|place| frame(place, radius, self.captures.scale())).collect();
         let records: Vec<Record> = places.iter().map(record).collect();
         self.captures.frames().upload(&frames)?;
         self.records.upload(&records)?;
@@ -207,7 +207,7 @@ fn light_surfaces(
 }
 
 /// The capture frame of a place; twin of `place_records.comp`.
-fn frame(place: &Place, scene_radius: f32) -> Frame {
+fn frame(place: &Place, scene_radius: f32, scale: f32) -> Frame {
     let Place { position, normal: n, geometric, turn } = *place;
     // Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin 2017: a frame without a branch on the normal.
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -219,8 +219,8 @@ fn frame(place: &Place, scene_radius: f32) -> Frame {
     let origin = position + geometric * (scene_radius * LIFT);
     Frame {
         origin: with(origin, scene_radius * NEAR),
-        tangent: with(tangent, 1.0),
-        bitangent: with(n.cross(tangent), 1.0),
+        tangent: with(tangent, scale),
+        bitangent: with(n.cross(tangent), scale),
         normal: with(n, 1.0),
         horizon: with(geometric, -geometric.dot(origin)),
     }

@@ -31,6 +31,8 @@ pub enum Views {
     Plane,
     /// One parallel view along the axis.
     Orthographic,
+    /// One view of all above the axis's horizon, projected onto the disc below it.
+    Hemisphere,
 }
 
 impl Views {
@@ -39,7 +41,7 @@ impl Views {
         match self {
             Self::Hemicube => 5,
             Self::Cube => 6,
-            Self::Plane | Self::Orthographic => 1,
+            Self::Plane | Self::Orthographic | Self::Hemisphere => 1,
         }
     }
 
@@ -50,6 +52,7 @@ impl Views {
             Self::Cube => 1,
             Self::Plane => 2,
             Self::Orthographic => 3,
+            Self::Hemisphere => 4,
         }
     }
 }
@@ -292,9 +295,10 @@ impl PipelineBuilder<'_> {
         Ok(RangePipelines { range: range.clone(), by_subpass, textured })
     }
 
-    /// Only frames with a horizon pay for its clip plane.
+    /// Only views that reach below a horizon pay for its clip plane; what a plane sees below it is left out when
+    /// integrated.
     fn has_horizon(&self) -> u32 {
-        u32::from(self.desc.views == Views::Hemicube)
+        u32::from(matches!(self.desc.views, Views::Hemicube | Views::Hemisphere))
     }
 
     fn opaque(&self, subpasses: u32) -> Result<Vec<GraphicsPipeline>> {

@@ -39,11 +39,16 @@ pub struct CaptureCompute {
 }
 
 impl CaptureCompute {
-    /// Whether hemicubes of `size` texels a side in a scene of so many triangles fit: a face into shared memory, a
-    /// triangle's number beside its depth. (Alpha masks are not tested here: the plan knows of them.)
-    pub fn holds(device: &Device, triangles: usize, size: u32) -> bool {
-        let shared = size * size * 4 + 8;
-        id_bits(triangles as u32) <= MOST_ID_BITS && shared <= device.capabilities.limits.max_compute_shared_memory_size
+    /// What keeps hemicubes of `size` texels a side in a scene of so many triangles from fitting, if something does: a
+    /// face must fit into shared memory, a triangle's number beside its depth. (Alpha masks are not tested here: the plan
+    /// knows of them.)
+    pub fn misfit(device: &Device, triangles: usize, size: u32) -> Option<String> {
+        let (shared, most) = (size * size * 4 + 8, device.capabilities.limits.max_compute_shared_memory_size);
+        if shared > most {
+            return Some(format!("a face of {size} × {size} texels does not fit into {most} bytes of shared memory"));
+        }
+        let too_many = id_bits(triangles as u32) > MOST_ID_BITS;
+        too_many.then(|| format!("{triangles} triangles are more than a texel's key can number: 2^{MOST_ID_BITS}"))
     }
 
     /// Captures up to `capacity` hemicubes of `size` texels a side.

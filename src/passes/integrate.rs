@@ -3,7 +3,7 @@
 use super::capture::Capture;
 use super::capture_compute::CaptureCompute;
 use super::geometry::Geometry;
-use crate::math::hemicube::Hemicube;
+use crate::math::capture::{self, Projection, Table};
 use crate::vk::gpu_types::{Edge, Texel};
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
@@ -20,6 +20,8 @@ struct Push {
     edge_count: u32,
     tile_size: u32,
     columns: u32,
+    /// 1/Σ of the cosine weights.
+    inverse_weight: f32,
     limits: Limits,
 }
 
@@ -47,11 +49,23 @@ pub struct Gradients {
 }
 
 /// Where captures come from.
-pub enum Captured<'a> {
+pub enum CapturedBy<'a> {
     /// Render passes.
     Render(&'a Capture),
     /// Compute.
     Compute(&'a CaptureCompute),
+}
+
+/// Captures to integrate.
+pub struct Captured<'a> {
+    /// Where they come from.
+    pub by: CapturedBy<'a>,
+    /// How directions became texels.
+    pub projection: Projection,
+    /// Texels a side.
+    pub size: u32,
+    /// Records of a batch.
+    pub capacity: u32,
 }
 
 /// The pass.
@@ -65,34 +79,34 @@ pub struct Integrate {
 }
 
 impl Integrate {
-    /// Integrates hemicubes of `capture` into `records` and `payloads`; with `sky`, each record has a second payload.
+    /// Integrates captures into `records` and `payloads`; with `sky`, each record has a second payload.
     pub fn new(
         device: &Arc<Device>,
         geometry: &Geometry,
-        (captured, size, capacity): (&Captured<'_>, u32, u32),
+        captured: &Captured<'_>,
         (records, payloads): (&Buffer, &Buffer),
         sky: Option<&Buffer>,
         gradients: Gradients,
         limits: Limits,
     ) -> Result<Self> {
-        let table = Hemicube::new(size);
+        let table = captured.projection.table(captured.size);
         let texels = Buffer::with_data(device, "capture tables", &gpu_texels(&table))?;
         let edges = Buffer::with_data(device, "capture tables", &gpu_edges(&table, gradients))?;
         let per_record = table.texels.len() as u64 * if sky.is_some() { 32 } else { 16 };
-        let gathered_bytes = per_record * u64::from(capacity);
+        let gathered_bytes = per_record * u64::from(captured.capacity);
         let gathered = Buffer::new(device, "gathered radiance", gathered_bytes, Memory::Device)?;
 
         let (positions, indices) = (&geometry.positions, &geometry.indices);
         let scene_bindings = [positions, indices, &geometry.first_cell, &geometry.cell_radiance].map(Binding::Storage);
         let scene_layout = SetLayout::of(device, &scene_bindings)?;
         let scene_set = DescriptorSet::new(&scene_layout, &scene_bindings)?;
-        let (inputs, frames, code, columns) = match captured {
-            Captured::Render(capture) => {
+        let (inputs, frames, code, columns) = match captured.by {
+            CapturedBy::Render(capture) => {
                 let identity = capture.identity.as_ref().expect("captures for integration keep identities");
                 let images = [Binding::Texels(identity), Binding::Texels(&capture.depth)];
                 (images, &capture.frames, spirv!("integrate", "from_render.comp"), capture.columns)
             }
-            Captured::Compute(capture) => {
+            CapturedBy::Compute(capture) => {
                 // The second place is an image's in the other shader, and free in this one.
                 let buffers = [Binding::Storage(&capture.seen), Binding::Storage(&capture.seen)];
                 (buffers, &capture.frames, spirv!("integrate", "from_compute.comp"), 1)
@@ -112,14 +126,16 @@ impl Integrate {
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&scene_layout, &layout], size_of::<Push>() as u32)?;
-        let constants =
-            Specialisation([sky.is_some(), gradients.rotation, gradients.translation].map(u32::from).to_vec());
+        let is_curved = captured.projection == Projection::Hemisphere;
+        let flags = [sky.is_some(), gradients.rotation, gradients.translation, is_curved];
+        let constants = Specialisation(flags.map(u32::from).to_vec());
         let pipeline = ComputePipeline::new("integrate", &pipeline_layout, code, &constants)?;
         let push = Push {
             texel_count: table.texels.len() as u32,
             edge_count: table.edges.len() as u32,
-            tile_size: size,
+            tile_size: captured.size,
             columns,
+            inverse_weight: table.weight().recip() as f32,
             limits,
         };
         Ok(Self {
@@ -140,19 +156,19 @@ impl Integrate {
     }
 }
 
-fn gpu_texels(table: &Hemicube) -> Vec<Texel> {
-    let texel = |t: &crate::math::hemicube::Texel| {
-        let d = t.direction.as_vec3();
+fn gpu_texels(table: &Table) -> Vec<Texel> {
+    let texel = |t: &capture::Texel| {
+        let (d, turn) = (t.direction.as_vec3(), t.turn().as_vec3());
         Texel {
-            direction: [d.x, d.y, d.z, t.weight as f32],
-            place: [t.face << 16 | t.y << 8 | t.x, (t.solid_angle as f32).to_bits(), (t.forward as f32).to_bits(), 0],
+            direction: [d.x, d.y, d.z, t.weight() as f32],
+            place: [t.layer << 16 | t.y << 8 | t.x, (t.forward as f32).to_bits(), turn.x.to_bits(), turn.y.to_bits()],
         }
     };
     table.texels.iter().map(texel).collect()
 }
 
-fn gpu_edges(table: &Hemicube, gradients: Gradients) -> Vec<Edge> {
-    let edge = |e: &crate::math::hemicube::Edge| {
+fn gpu_edges(table: &Table, gradients: Gradients) -> Vec<Edge> {
+    let edge = |e: &capture::Edge| {
         let s = e.step.as_vec3();
         Edge { step: [s.x, s.y, s.z, 0.0], texels: [e.i, e.j, 0, 0] }
     };

@@ -29,6 +29,8 @@ pub struct Placement {
     pub near: f32,
     /// How far a capture stands off its surface.
     pub lift: f32,
+    /// Scale of a capture's axes: 1/half width of a plane.
+    pub scale: f32,
 }
 
 /// The pass.

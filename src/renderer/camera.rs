@@ -77,6 +77,7 @@ impl View {
             seed: settings.seed,
             near: radius * captures::NEAR,
             lift: radius * captures::LIFT,
+            scale: 1.0,
         };
         let view = SplatView {
             world_to_view: self.world_to_view.to_cols_array(),

@@ -46,6 +46,8 @@ impl Plan {
         let facts = Facts::of(scene);
         let full = settings.full_plan;
         let mut plan = Self::default();
+        let cut = settings.longest_side().is_some();
+        plan.part("tessellate", cut, "no projection bends the sides of triangles, and none are to be cut");
         plan.run.push("gbuffer");
         plan.emission = plan.part("emission", facts.emits || full, "no material emits");
         plan.part("textures", facts.textured, "no material has a texture");
@@ -61,13 +63,17 @@ impl Plan {
         plan.captures = indirect || plan.sky;
         let why = if settings.bounces == 0 { "no bounces are asked for" } else { "nothing shines" };
         plan.part("surface_light", indirect, why);
-        plan.compute = plan.captures
-            && device.is_some_and(|d| settings.cache.capture.in_compute(d, scene, settings.cache.capture_size));
+        let cache = &settings.cache;
+        let against_compute = match device {
+            Some(device) => cache.capture.against_compute(device, scene, cache.capture_size),
+            None => Some("a CPU's captures, and no device is chosen yet".into()),
+        };
+        plan.compute = plan.captures && against_compute.is_none();
         for pass in ["find_uncovered", "place_records"] {
             plan.part(pass, plan.captures, why);
         }
         if plan.captures {
-            plan.capture_parts();
+            plan.capture_parts(against_compute);
         } else {
             plan.part("capture", false, why);
         }
@@ -89,13 +95,9 @@ impl Plan {
     }
 
     /// How records look at the scene, and what that leaves out.
-    fn capture_parts(&mut self) {
-        if self.compute {
-            self.part("capture", false, "captures are rasterised in compute");
-            self.part("capture_compute", true, "");
-        } else {
-            self.part("capture", true, "");
-        }
+    fn capture_parts(&mut self, against_compute: Option<String>) {
+        self.part("capture", against_compute.is_some(), "captures are rasterised in compute");
+        self.part("capture_compute", against_compute.is_none(), against_compute.unwrap_or_default());
     }
 
     /// Notes `part` as run or left out; returns whether it runs.

@@ -1,5 +1,6 @@
 //! What a frame is made with, and its checks.
 
+use crate::math::capture::Projection;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
 use crate::methods::light_samples::LightSettings;
@@ -7,6 +8,11 @@ use crate::passes::integrate::Gradients;
 use crate::passes::resolve::Plane;
 use crate::passes::splat::Weight;
 use crate::vk::Device;
+
+/// Longest side for hemispheres, whose projection bends sides: beyond it the error falls no further at 32² texels.
+const HEMISPHERE_SIDE: f32 = 0.03;
+/// Shorter sides would make millions of triangles of an empty room.
+const SHORTEST_SIDE: f32 = 0.002;
 
 /// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +30,8 @@ pub struct Settings {
     /// Cells that the surfaces are cut into, about; each triangle has at least one. `None`: by the scene's detail and
     /// the number of its lights.
     pub surface_cells: Option<u32>,
+    /// Longest side of a triangle as a share of the scene's diagonal: longer ones are cut. `None`: as captures need it.
+    pub tessellation: Option<f32>,
     /// Layers of the result.
     pub planes: Vec<Plane>,
     /// Builds and runs every part, needed or not: what leaving parts out is tested against.
@@ -50,6 +58,7 @@ impl Default for Settings {
             },
             lights: LightSettings { area_samples: 64, sky_samples: 128, shadow_size: 256 },
             surface_cells: None,
+            tessellation: None,
             planes: vec![Plane::Final],
             full_plan: false,
         }
@@ -66,6 +75,12 @@ pub struct SettingsError {
 }
 
 impl Settings {
+    /// Longest side of a triangle as a share of the scene's diagonal, where triangles are to be cut.
+    pub fn longest_side(&self) -> Option<f32> {
+        let is_curved = self.cache.capture.projection() == Projection::Hemisphere;
+        self.tessellation.or(is_curved.then_some(HEMISPHERE_SIDE))
+    }
+
     /// Refuses what cannot be rendered, before anything is built.
     pub fn check(&self, device: &Device) -> Result<(), SettingsError> {
         let limits = &device.capabilities.limits;
@@ -75,10 +90,21 @@ impl Settings {
         range("--bounces", self.bounces, 0, 1)?;
         range("--capture-size", self.cache.capture_size, 8, 256)?;
         if !self.cache.capture_size.is_multiple_of(2) {
-            return Err(error("--capture-size", self.cache.capture_size, "must be even"));
+            let rule = "must be even: the horizon lies between two rows of a hemicube's sides";
+            return Err(error("--capture-size", self.cache.capture_size, rule));
+        }
+        if let CaptureMode::Plane { aperture, .. } = self.cache.capture
+            && !(10.0..=170.0).contains(&aperture)
+        {
+            return Err(error("--aperture", aperture, "must be from 10 to 170 degrees: a plane has no more"));
         }
         range("--light-samples", self.lights.area_samples, 1, 1 << 16)?;
         range("--surface-cells", self.surface_cells.unwrap_or(1), 1, 1 << 26)?;
+        if let Some(share) = self.tessellation
+            && (share.is_nan() || share < SHORTEST_SIDE)
+        {
+            return Err(error("--tessellate", share, format!("must be {SHORTEST_SIDE} or more")));
+        }
         positive("--accuracy", self.cache.accuracy, 10.0)?;
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;

@@ -13,6 +13,7 @@ mod error;
 mod gltf;
 pub mod load;
 mod sample;
+mod tessellate;
 
 pub use camera::{LARGEST_SIDE, frame, image_size};
 pub use cornell::cornell;

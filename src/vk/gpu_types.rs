@@ -90,7 +90,7 @@ pub struct Material {
 pub struct Texel {
     /// Local unit direction; cosine-weighted solid angle.
     pub direction: [f32; 4],
-    /// Layer, row and column packed; then float bits of the solid angle and of 1/(forward component).
+    /// Layer, row and column packed; then float bits: 1/distance by depth, and ∫ n×ω dω (x, y).
     pub place: [u32; 4],
 }
 

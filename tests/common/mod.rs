@@ -12,7 +12,7 @@ pub use build::{Builder, look, look_parallel};
 
 use glam::DVec3;
 use hemicube::image::Picture;
-use hemicube::methods::captures::CaptureMode;
+use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
 use hemicube::passes::resolve::Plane;
 use hemicube::renderer::{Rendered, Settings, render};
 use hemicube::scene::{Camera, Scene};
@@ -75,6 +75,16 @@ pub fn small(side: u32) -> Settings {
 /// The settings for each way to capture: render passes, and compute.
 pub fn each_capture(settings: Settings) -> [Settings; 2] {
     [CaptureMode::Hemicube, CaptureMode::Compute].map(|capture| {
+        let mut settings = settings.clone();
+        settings.cache.capture = capture;
+        settings
+    })
+}
+
+/// The settings for every kind of capture.
+pub fn every_capture(settings: Settings) -> [Settings; 4] {
+    let plane = CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: true };
+    [CaptureMode::Hemicube, CaptureMode::Compute, plane, CaptureMode::Hemisphere].map(|capture| {
         let mut settings = settings.clone();
         settings.cache.capture = capture;
         settings

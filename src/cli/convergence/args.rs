@@ -33,7 +33,7 @@ pub struct ConvergenceArgs {
     /// Ward's a for splatting and ward
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_positive, help_heading = "Settings in place of the usual ones")]
     pub accuracy: Vec<f64>,
-    /// Texels a side of a record's hemicube
+    /// Texels a side of a record's capture (a hemicube's top)
     #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Settings in place of the usual ones")]
     pub capture_size: Vec<u32>,
     /// How records look at the scene
@@ -124,6 +124,10 @@ pub enum MethodArg {
 pub enum CaptureArg {
     /// Multi-view hemicubes by render passes
     Hemicube,
+    /// One perspective view, with border compensation
+    Plane,
+    /// One view projected onto the disc below the hemisphere
+    Hemisphere,
     /// Hemicubes rasterised in compute
     Compute,
 }
@@ -155,6 +159,8 @@ impl CaptureArg {
     pub fn name(self) -> &'static str {
         match self {
             Self::Hemicube => "hemicube",
+            Self::Plane => "plane",
+            Self::Hemisphere => "hemisphere",
             Self::Compute => "compute",
         }
     }

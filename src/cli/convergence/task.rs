@@ -1,7 +1,7 @@
 //! What is measured: methods times settings.
 
 use super::{CaptureArg, ConvergenceArgs, GradientsArg, MethodArg};
-use hemicube::methods::captures::CaptureMode;
+use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
 use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -90,6 +90,8 @@ impl Task {
             settings.cache.capture_size = size;
             settings.cache.capture = match capture {
                 CaptureArg::Hemicube => CaptureMode::Hemicube,
+                CaptureArg::Plane => CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: true },
+                CaptureArg::Hemisphere => CaptureMode::Hemisphere,
                 CaptureArg::Compute => CaptureMode::Compute,
             };
             let both = gradients == GradientsArg::Both;

@@ -1,0 +1,149 @@
+//! Captures as tables: what each texel of a projection measures, and the edges between texels.
+//!
+//! A capture is views and the measure of their texels; an integrator is a capture and a basis. Whatever the projection, a
+//! table holds for each texel the exact integral of its directions, and for each edge between two texels the exact
+//! integral along it, so that one shader (`glsl/integrate`) serves all of them. [`Table::integrate`] is its CPU twin.
+//!
+//! Local frame: the normal is +z. Directions have unit length.
+
+mod hemicube;
+mod hemisphere;
+mod plane;
+mod polygons;
+#[cfg(test)]
+mod tests;
+
+pub use hemicube::face_direction;
+pub use polygons::{polygon_flux, polygon_solid_angle};
+
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// How directions become texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Five faces at distance 1, the sides cut at the horizon (Cohen and Greenberg 1985).
+    Hemicube,
+    /// One perspective view along the normal.
+    Plane {
+        /// Half the width of the plane at distance 1: the tangent of half the aperture.
+        half_width: f64,
+        /// Whether the texels at the border stand for what lies between them and the horizon.
+        compensated: bool,
+    },
+    /// One view of the whole hemisphere, projected onto the disc below it (Nusselt 1928).
+    Hemisphere,
+}
+
+/// A texel of a capture.
+#[derive(Clone, Copy, Debug)]
+pub struct Texel {
+    /// View that it belongs to.
+    pub layer: u32,
+    /// Column, from the left.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+    /// Direction through the centre, where it is sampled.
+    pub direction: DVec3,
+    /// Solid angle, sr.
+    pub solid_angle: f64,
+    /// ∫ ω dω over the directions that it stands for.
+    pub flux: DVec3,
+    /// 1/distance = `forward` × depth / near distance.
+    pub forward: f64,
+}
+
+/// An edge between two texels, with the factor of the translation gradient.
+#[derive(Clone, Copy, Debug)]
+pub struct Edge {
+    /// First texel.
+    pub i: u32,
+    /// Second texel.
+    pub j: u32,
+    /// ∫ cosθ m dl along the edge; the unit vector m is perpendicular to the direction and to the edge, from i to j.
+    pub step: DVec3,
+}
+
+/// All texels of a capture and all edges between them.
+pub struct Table {
+    /// Texels, view by view, row by row.
+    pub texels: Vec<Texel>,
+    /// Edges, seams between views included; those on the horizon vanish and are left out.
+    pub edges: Vec<Edge>,
+}
+
+/// What a capture tells about its record.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Integral {
+    /// Irradiance for radiance given in W·sr⁻¹·m⁻².
+    pub irradiance: f64,
+    /// Rotation gradient ∫ L (n×ω) dω.
+    pub rotation: DVec3,
+    /// Translation gradient.
+    pub translation: DVec3,
+    /// Harmonic mean of the distances, cosine-weighted: 1/R.
+    pub inverse_distance: f64,
+}
+
+impl Texel {
+    /// Cosine-weighted solid angle ∫ cosθ dω, sr.
+    pub fn weight(&self) -> f64 {
+        self.flux.z
+    }
+
+    /// ∫ n×ω dω: the weight in the rotation gradient.
+    pub fn turn(&self) -> DVec3 {
+        DVec3::Z.cross(self.flux)
+    }
+}
+
+impl Projection {
+    /// The table of `size` texels a side; `size` is even.
+    pub fn table(self, size: u32) -> Table {
+        assert!(size >= 2 && size.is_multiple_of(2), "a capture's size is even");
+        match self {
+            Self::Hemicube => hemicube::table(size),
+            Self::Plane { half_width, compensated } => plane::table(size, half_width, compensated),
+            Self::Hemisphere => hemisphere::table(size),
+        }
+    }
+}
+
+impl Table {
+    /// Σ of all weights: π where the whole hemisphere is seen.
+    pub fn weight(&self) -> f64 {
+        self.texels.iter().map(Texel::weight).sum()
+    }
+
+    /// CPU twin of `glsl/integrate`: `seen` holds radiance and distance (infinite for the sky) of each texel.
+    ///
+    /// An edge moves as its nearer texel does: by −δ·m/r for a step δ, so that ∇_t E = −Σ (L_i − L_j) ∫ cosθ m dl / r.
+    pub fn integrate(&self, seen: &[(f64, f64)]) -> Integral {
+        let mut sum = Integral::default();
+        for (texel, (radiance, distance)) in self.texels.iter().zip(seen) {
+            sum.irradiance += texel.weight() * radiance;
+            sum.inverse_distance += texel.weight() / distance;
+            sum.rotation += *radiance * texel.turn();
+        }
+        sum.inverse_distance /= self.weight();
+        for edge in &self.edges {
+            let ((a, ra), (b, rb)) = (seen[edge.i as usize], seen[edge.j as usize]);
+            sum.translation -= (a - b) / ra.min(rb) * edge.step;
+        }
+        sum
+    }
+}
+
+/// Width of a texel where the whole side is `2 half_width` long.
+fn pitch(size: u32, half_width: f64) -> f64 {
+    2.0 * half_width / f64::from(size)
+}
+
+/// Share of the cosine-weighted hemisphere that a plane of half width w sees: (4/π)·k·atan k, k = w/√(1 + w²).
+///
+/// The form factor of a square seen from its axis (Hamilton and Morgan 1952), four quarters.
+pub fn seen_by_plane(half_width: f64) -> f64 {
+    let k = half_width / half_width.hypot(1.0);
+    4.0 / PI * k * k.atan()
+}

@@ -1,0 +1,173 @@
+//! The hemisphere, projected along the normal onto the unit disc below it (Nusselt's analog, 1928; S4's "fish eye"):
+//! area on the disc is cosine-weighted solid angle, so that all texels but those on the rim weigh the same.
+//!
+//! S4 gives each of the N texels whose centre lies within the disc the weight π/N. Here a texel has exactly its area
+//! within the disc, and those of the rim also that of their outer neighbours, whose centres lie outside: the sum is π
+//! just as well, and a light in the middle is not scaled by how many centres the disc happens to hold (1 % at 32²).
+
+use super::{Edge, Table, Texel, pitch};
+use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
+
+/// ∫ over a part of the disc.
+#[derive(Clone, Copy, Default)]
+struct Measure {
+    flux: DVec3,
+    solid_angle: f64,
+}
+
+pub(super) fn table(size: u32) -> Table {
+    let grid = Grid { size, pitch: pitch(size, 1.0) };
+    let mut texels = Vec::new();
+    let mut index = vec![None; (size * size) as usize];
+    for (y, x) in grid.squares().filter(|&(y, x)| grid.is_covered(x, y)) {
+        index[(y * size + x) as usize] = Some(texels.len() as u32);
+        let p = grid.centre(x, y);
+        let direction = p.extend((1.0 - p.length_squared()).sqrt());
+        texels.push(Texel { layer: 0, x, y, direction, solid_angle: 0.0, flux: DVec3::ZERO, forward: 1.0 });
+    }
+    let owner = |x: u32, y: u32| {
+        let (x, y) = grid.owner(x, y)?;
+        index[(y * size + x) as usize]
+    };
+    for (y, x) in grid.squares() {
+        if let Some(i) = owner(x, y) {
+            let part = grid.measure(x, y);
+            texels[i as usize].flux += part.flux;
+            texels[i as usize].solid_angle += part.solid_angle;
+        }
+    }
+    let edges = inner_edges(&grid, owner);
+    Table { texels, edges }
+}
+
+struct Grid {
+    size: u32,
+    pitch: f64,
+}
+
+impl Grid {
+    /// All squares as (row, column).
+    fn squares(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let size = self.size;
+        (0..size).flat_map(move |y| (0..size).map(move |x| (y, x)))
+    }
+
+    fn centre(&self, x: u32, y: u32) -> DVec2 {
+        DVec2::new((f64::from(x) + 0.5) * self.pitch - 1.0, 1.0 - (f64::from(y) + 0.5) * self.pitch)
+    }
+
+    fn is_covered(&self, x: u32, y: u32) -> bool {
+        self.centre(x, y).length_squared() < 1.0
+    }
+
+    /// Corner of a square nearest to the middle of the disc, by absolute coordinates.
+    fn inner_corner(&self, x: u32, y: u32) -> DVec2 {
+        (self.centre(x, y).abs() - self.pitch / 2.0).max(DVec2::ZERO)
+    }
+
+    /// The covered square that stands for (x, y): itself or one further in; none outside of the disc.
+    fn owner(&self, mut x: u32, mut y: u32) -> Option<(u32, u32)> {
+        if self.inner_corner(x, y).length_squared() >= 1.0 {
+            return None;
+        }
+        let inwards = |c: u32| if 2 * c < self.size { c + 1 } else { c - 1 };
+        while !self.is_covered(x, y) {
+            let a = self.centre(x, y).abs();
+            let (from_x, from_y) = (a.x >= a.y - self.pitch / 2.0, a.y >= a.x - self.pitch / 2.0);
+            x = if from_x { inwards(x) } else { x };
+            y = if from_y { inwards(y) } else { y };
+        }
+        Some((x, y))
+    }
+
+    fn measure(&self, x: u32, y: u32) -> Measure {
+        let sign = self.centre(x, y).signum();
+        let low = self.inner_corner(x, y);
+        let mut part = first_quadrant(low, (low + self.pitch).min(DVec2::ONE));
+        part.flux *= sign.extend(1.0);
+        part
+    }
+}
+
+/// The part of the disc in [low, high], both in the first quadrant.
+fn first_quadrant(low: DVec2, high: DVec2) -> Measure {
+    let (full, rim) = spans(low, high);
+    let area = over(full, |x| x * (high.y - low.y)) + over(rim, |x| circle(x, 1.0) - x * low.y);
+    let solid_angle = over(full, |x| arc(x, high.y) - arc(x, low.y)) + over(rim, |x| FRAC_PI_2 * x - arc(x, low.y));
+    let turned = |p: DVec2| DVec2::new(p.y, p.x);
+    Measure { flux: DVec3::new(moment(turned(low), turned(high)), moment(low, high), area), solid_angle }
+}
+
+/// ∫∫ y/z dy dx over the same part: ∫ y/z dy = −z.
+fn moment(low: DVec2, high: DVec2) -> f64 {
+    let (full, rim) = spans(low, high);
+    let (near, far) = (half_chord(low.y), half_chord(high.y));
+    over(full, |x| circle(x, near) - circle(x, far)) + over(rim, |x| circle(x, near))
+}
+
+/// Where columns have their full height, and where the rim cuts them.
+fn spans(low: DVec2, high: DVec2) -> ([f64; 2], [f64; 2]) {
+    let full = high.x.min(half_chord(high.y)).max(low.x);
+    let rim = high.x.min(half_chord(low.y)).max(full);
+    ([low.x, full], [full, rim])
+}
+
+fn over([a, b]: [f64; 2], antiderivative: impl Fn(f64) -> f64) -> f64 {
+    antiderivative(b) - antiderivative(a)
+}
+
+fn half_chord(c: f64) -> f64 {
+    (1.0 - c * c).max(0.0).sqrt()
+}
+
+/// ∫ √(r² − x²) dx.
+fn circle(x: f64, r: f64) -> f64 {
+    if r <= 0.0 {
+        return 0.0;
+    }
+    let x = x.clamp(-r, r);
+    0.5 * (x * (r * r - x * x).max(0.0).sqrt() + r * r * (x / r).asin())
+}
+
+/// ∫ asin(y/√(1 − x²)) dx, of which the difference over y is the solid angle ∫∫ dx dy/√(1 − x² − y²).
+fn arc(x: f64, y: f64) -> f64 {
+    let z = (1.0 - x * x - y * y).max(0.0).sqrt();
+    let angle = |a: f64, c: f64| a.atan2((1.0 - c * c - a * a).max(0.0).sqrt());
+    x * angle(y, x) + y * angle(x, y) - (x * y).atan2(z)
+}
+
+/// Edges between squares of different owners. On the sphere a side x = c of a square is an arc of the small circle
+/// (c, s sin t, s cos t), s² = 1 − c²; across it m = (s, −c sin t, −c cos t), so that
+/// ∫ cosθ m dl = (s² Δy, −c Δ(y²)/2, −c (s² Δt + Δ(yz))/2).
+fn inner_edges(grid: &Grid, owner: impl Fn(u32, u32) -> Option<u32>) -> Vec<Edge> {
+    let mut sums: BTreeMap<(u32, u32), DVec3> = BTreeMap::new();
+    let mut add = |i: Option<u32>, j: Option<u32>, step: DVec3| {
+        if let (Some(i), Some(j)) = (i, j)
+            && i != j
+        {
+            *sums.entry((i.min(j), i.max(j))).or_default() += if i < j { step } else { -step };
+        }
+    };
+    let at = |k: u32| f64::from(k) * grid.pitch - 1.0;
+    for (row, column) in grid.squares().filter(|&(_, column)| column > 0) {
+        let (line, from) = (at(column), at(row));
+        // From left to right across x = line; rows count from the top.
+        let s = small_circle(line, -from - grid.pitch, -from);
+        add(owner(column - 1, row), owner(column, row), s);
+        // The same turned: downwards across y = −line.
+        let s = small_circle(line, from, from + grid.pitch);
+        add(owner(row, column - 1), owner(row, column), DVec3::new(s.y, -s.x, s.z));
+    }
+    sums.into_iter().map(|((i, j), step)| Edge { i, j, step }).collect()
+}
+
+/// ∫ cosθ m dl over the arc x = c, y from `low` to `high`, m towards growing x.
+fn small_circle(c: f64, low: f64, high: f64) -> DVec3 {
+    let s2 = 1.0 - c * c;
+    let s = s2.sqrt();
+    let [a, b] = [low, high].map(|y| y.clamp(-s, s));
+    let lift = |y: f64| s2 * (y / s).clamp(-1.0, 1.0).asin() + y * (s2 - y * y).max(0.0).sqrt();
+    DVec3::new(s2 * (b - a), -c * (b * b - a * a) / 2.0, -c * (lift(b) - lift(a)) / 2.0)
+}

@@ -1,0 +1,133 @@
+//! Cutting triangles smaller, for projections that bend their sides.
+
+use super::{Part, Scene};
+use glam::{Vec3, Vec4};
+use std::collections::HashMap;
+
+impl Scene {
+    /// The same surfaces with no side longer than `longest`. Triangles of emissive materials stay whole, so that lights are
+    /// sampled as before.
+    ///
+    /// Every side is halved until it is short enough, whatever triangle it belongs to: neighbours that share a side share
+    /// what it is cut into, and no gaps open between them.
+    pub fn tessellated(&self, longest: f32) -> Self {
+        let mut cut = Self { triangles: Vec::new(), parts: Vec::new(), ..self.clone() };
+        let mut middles = HashMap::new();
+        for part in &self.parts {
+            let first = part.first_triangle as usize;
+            let is_light = self.materials[part.material as usize].emission != Vec3::ZERO;
+            let limit = if is_light { f32::INFINITY } else { longest };
+            let first_triangle = cut.triangles.len() as u32;
+            for triangle in &self.triangles[first..first + part.triangle_count as usize] {
+                cut.add_pieces(*triangle, limit, &mut middles);
+            }
+            cut.parts.push(Part {
+                first_triangle,
+                triangle_count: cut.triangles.len() as u32 - first_triangle,
+                ..*part
+            });
+        }
+        cut
+    }
+
+    fn add_pieces(&mut self, whole: [u32; 3], longest: f32, middles: &mut HashMap<(u32, u32), u32>) {
+        let mut open = vec![whole];
+        while let Some(triangle) = open.pop() {
+            let (first, length) = longest_side(&self.positions, triangle);
+            let [a, b, c] = [0, 1, 2].map(|i| triangle[(first + i) % 3]);
+            if length <= longest {
+                self.triangles.push(triangle);
+            } else {
+                let middle = *middles.entry((a.min(b), a.max(b))).or_insert_with(|| self.add_middle(a, b));
+                open.extend([[middle, b, c], [a, middle, c]]);
+            }
+        }
+    }
+
+    /// A vertex halfway between two, with all that vertices have.
+    fn add_middle(&mut self, a: u32, b: u32) -> u32 {
+        let (a, b) = (a as usize, b as usize);
+        self.positions.push((self.positions[a] + self.positions[b]) * 0.5);
+        let unit = |sum: Vec3, otherwise: Vec3| sum.try_normalize().unwrap_or(otherwise);
+        if !self.normals.is_empty() {
+            self.normals.push(unit(self.normals[a] + self.normals[b], self.normals[a]));
+        }
+        if !self.tangents.is_empty() {
+            let [s, t]: [Vec4; 2] = [self.tangents[a], self.tangents[b]];
+            self.tangents.push(unit(s.truncate() + t.truncate(), s.truncate()).extend(s.w));
+        }
+        for set in self.uvs.iter_mut().filter(|set| !set.is_empty()) {
+            set.push((set[a] + set[b]) * 0.5);
+        }
+        if !self.colors.is_empty() {
+            self.colors.push((self.colors[a] + self.colors[b]) * 0.5);
+        }
+        self.positions.len() as u32 - 1
+    }
+}
+
+/// The corner that the longest side starts from, and its length.
+fn longest_side(positions: &[Vec3], triangle: [u32; 3]) -> (usize, f32) {
+    let at = |i: usize| positions[triangle[i % 3] as usize];
+    let lengths = [0, 1, 2].map(|i| at(i).distance(at(i + 1)));
+    let later = if lengths[1] >= lengths[2] { 1 } else { 2 };
+    let first = if lengths[0] >= lengths[later] { 0 } else { later };
+    (first, lengths[first])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::cornell;
+
+    fn area(scene: &Scene) -> f64 {
+        let corners = |t: &[u32; 3]| t.map(|v| scene.positions[v as usize].as_dvec3());
+        let of = |t| {
+            let [a, b, c] = corners(t);
+            (b - a).cross(c - a).length() / 2.0
+        };
+        scene.triangles.iter().map(of).sum()
+    }
+
+    #[test]
+    fn pieces_are_small_and_cover_the_same_surface() {
+        let scene = cornell();
+        let cut = scene.tessellated(0.1);
+        assert!((area(&cut) / area(&scene) - 1.0).abs() < 1e-6);
+        assert_eq!(cut.parts.last().map(|p| p.first_triangle + p.triangle_count), Some(cut.triangles.len() as u32));
+        for part in &cut.parts {
+            let is_light = scene.materials[part.material as usize].emission != Vec3::ZERO;
+            let range = part.first_triangle as usize..(part.first_triangle + part.triangle_count) as usize;
+            for triangle in &cut.triangles[range] {
+                assert!(is_light || longest_side(&cut.positions, *triangle).1 <= 0.1);
+                let [a, b, c] = triangle.map(|v| cut.positions[v as usize]);
+                assert!((b - a).cross(c - a).dot(cut.normals[triangle[0] as usize]) > 0.0, "the front stays in front");
+            }
+        }
+        assert_eq!(cut.emitters().len(), scene.emitters().len());
+        assert_eq!(cut.normals.len(), cut.positions.len());
+    }
+
+    /// Each inner side belongs to two triangles, with no vertex in between, wherever that was so before.
+    #[test]
+    fn no_gaps_open() {
+        let mut scene = cornell();
+        scene.materials.iter_mut().for_each(|m| m.emission = Vec3::ZERO);
+        let bits = |p: Vec3| p.to_array().map(f32::to_bits);
+        let open_sides = |scene: &Scene| {
+            let mut sides = HashMap::new();
+            for t in &scene.triangles {
+                for i in 0..3 {
+                    let [a, b] = [t[i], t[(i + 1) % 3]].map(|v| bits(scene.positions[v as usize]));
+                    *sides.entry((a.min(b), a.max(b))).or_insert(0) += 1;
+                }
+            }
+            let length = |(a, b): &([u32; 3], [u32; 3])| {
+                Vec3::from_array(a.map(f32::from_bits)).distance(Vec3::from_array(b.map(f32::from_bits)))
+            };
+            sides.iter().filter(|(_, n)| **n == 1).map(|(side, _)| length(side)).sum::<f32>()
+        };
+        let (before, after) = (open_sides(&scene), open_sides(&scene.tessellated(0.07)));
+        assert!((after - before).abs() < 1e-4 * before, "{before} {after}");
+    }
+}
