@@ -3,8 +3,9 @@
 mod common;
 
 use common::build::{diffuse, emitter};
-use common::{Builder, check_complete, draw, every_capture, look, small};
+use common::{Builder, check_complete, draw, every_capture, gpu, look, small};
 use glam::{DVec3, Mat3, Vec3, Vec4, dvec3, vec3};
+use hemicube::methods::rates::Rates;
 use hemicube::renderer::Settings;
 use hemicube::scene::{Background, EnvironmentMap, Light, Material, TextureRef, cornell};
 use hemicube::vk::{Buffer, Commands, Device, DeviceChoice, Instance, Memory, barrier};
@@ -29,6 +30,19 @@ fn a_deliberate_hazard_is_counted() {
     let messages = messages_of_two_writes(|_| {});
     assert!(messages > 0, "two writes without a barrier: synchronisation validation is not at work");
     assert_eq!(messages_of_two_writes(barrier::full), 0, "with a barrier nothing is wrong");
+}
+
+/// Orders of magnitude apart from any device's: a rate by a wrong count or unit is seen, a busy machine is not.
+#[test]
+fn rates_of_a_device_are_measured() {
+    let device = gpu();
+    let before = device.instance.validation_messages();
+    let rates = Rates::measure(&device).expect("rates");
+    assert_eq!(device.instance.validation_messages() - before, 0);
+    for rate in [rates.triangle_views, rates.blended_fragments, rates.integrated_texels] {
+        assert!((1e4..1e13).contains(&rate), "{rates:?}");
+    }
+    assert!(rates.timestamp_ms > 0.0 && rates.timestamp_ms < 100.0, "{rates:?}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::common::SceneArgs;
 use anyhow::Result;
 use clap::Args;
+use hemicube::methods::rates::Rates;
 use hemicube::renderer::{Plan, Settings};
 use hemicube::scene::Scene;
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
@@ -16,6 +17,9 @@ use std::process::ExitCode;
 pub struct InfoArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    /// Measure what each device does at most, by the renderer's own passes: triangles, blended fragments, texels
+    #[arg(long, conflicts_with = "scene")]
+    measure: bool,
 }
 
 /// Runs the subcommand.
@@ -25,7 +29,7 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
         let (_, note) = args.scene.camera(&scene)?;
         describe(&scene, note.as_deref());
     } else {
-        devices()?;
+        devices(args.measure)?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -49,7 +53,7 @@ fn describe(scene: &Scene, note: Option<&str>) {
     }
 }
 
-fn devices() -> Result<()> {
+fn devices(measure: bool) -> Result<()> {
     let instance = Instance::new(false)?;
     for (index, physical) in instance.physical_devices()?.into_iter().enumerate() {
         let version = physical.api_version;
@@ -62,7 +66,12 @@ fn devices() -> Result<()> {
         );
         match Device::new(instance.clone(), &DeviceChoice::Named(index.to_string())) {
             Err(error) => println!("   cannot be used: {error}"),
-            Ok(device) => describe_device(&device),
+            Ok(device) => {
+                describe_device(&device);
+                if measure {
+                    describe_rates(&Rates::measure(&device)?);
+                }
+            }
         }
     }
     Ok(())
@@ -82,4 +91,12 @@ fn describe_device(device: &Device) {
         let verdict = if (requirement.has)(has) { "yes" } else { "no " };
         println!("   {verdict}  {}: {}", requirement.name, requirement.cost);
     }
+}
+
+fn describe_rates(rates: &Rates) {
+    let millions = |rate: f64| if rate > 0.0 { format!("{:.4} M/s", rate * 1e-6) } else { "not timed".into() };
+    println!("   measured  {} triangles × views captured", millions(rates.triangle_views));
+    println!("   measured  {} fragments splatted", millions(rates.blended_fragments));
+    println!("   measured  {} texels integrated", millions(rates.integrated_texels));
+    println!("   measured  {:.4} ms for the timestamps and barriers about a pass", rates.timestamp_ms);
 }

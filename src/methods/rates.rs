@@ -1,0 +1,218 @@
+//! What a device does at most, measured by the renderer's own passes on a scene that suits each.
+//!
+//! A sphere seen from its centre: every texel of a capture sees it, every pixel of the image is its own surface, and
+//! nothing is hidden or culled. What a real scene needs of a pass, divided by these rates, is the least time it can take.
+
+use super::Ground;
+use crate::math::capture::Projection;
+use crate::passes::capture::{Capture, CaptureDesc, Views};
+use crate::passes::gbuffer::GBuffer;
+use crate::passes::geometry::Geometry;
+use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits};
+use crate::passes::splat::{Outputs, Splat, View, Weight};
+use crate::scene::{Material, Part, Scene};
+use crate::vk::gpu_types::{Frame, Payload, Record};
+use crate::vk::pass::{Recorder, Recording};
+use crate::vk::{Buffer, Device, Memory, Result};
+use glam::{Mat4, Vec3, Vec4};
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// Rings of the sphere, and quads of each: 2 n (n − 1) triangles, 19,800.
+const RINGS: u32 = 100;
+/// Texels a side of a hemicube, as in the default settings.
+const CAPTURE_SIZE: u32 = 32;
+/// Hemicubes of a batch.
+const CAPTURES: u32 = 16;
+/// Pixels a side of the image that splats cover.
+const IMAGE: u32 = 512;
+/// Splats, each over the whole image.
+const SPLATS: u32 = 64;
+/// Passes between whose timestamps nothing happens.
+const EMPTY_PASSES: u32 = 256;
+/// Runs of each pass: the first one compiles on some drivers, and the fastest of the rest counts.
+const RUNS: usize = 4;
+
+/// Rates of a device. Zero where its queue has no timestamps.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Triangles times views that a capture's render pass draws in a second, 32 × 32 texels a view.
+    pub triangle_views: f64,
+    /// Fragments in a second that a splat reads the G-buffer for, weighs and blends into RGBA32F.
+    pub blended_fragments: f64,
+    /// Texels of captures in a second that are looked up, weighed and summed, gradients included.
+    pub integrated_texels: f64,
+    /// What one pair of timestamps with its barriers costs, in milliseconds.
+    pub timestamp_ms: f64,
+}
+
+impl Rates {
+    /// Measures `device`: well below a second on a GPU, a few seconds on a CPU.
+    pub fn measure(device: &Arc<Device>) -> Result<Self> {
+        let scene = sphere();
+        let geometry = Geometry::new(device, &scene, 1, false)?;
+        let ground = Ground { scene: &scene, geometry: &geometry, textures: None };
+        let mut stopwatch = Stopwatch { recorder: Recorder::new(device) };
+        let (triangle_views, integrated_texels) = captures(device, &ground, &mut stopwatch)?;
+        Ok(Self {
+            triangle_views,
+            blended_fragments: splats(device, &ground, &mut stopwatch)?,
+            integrated_texels,
+            timestamp_ms: stopwatch.empty_pass()?,
+        })
+    }
+}
+
+/// Times passes.
+struct Stopwatch {
+    recorder: Recorder,
+}
+
+impl Stopwatch {
+    /// Least time of the last pass that `record` records, in seconds; none without timestamps.
+    fn seconds(&mut self, mut record: impl FnMut(&mut Recording<'_>) -> Result<()>) -> Result<Option<f64>> {
+        let mut least: Option<f64> = None;
+        for run in 0..RUNS {
+            self.recorder.submit(&mut record)?;
+            let gpu = self.recorder.passes.last().and_then(|pass| pass.gpu).filter(|_| run > 0);
+            let seconds = gpu.map(|span| (span.end_ms - span.begin_ms) * 1e-3);
+            least = seconds.map(|s| least.map_or(s, |l| l.min(s))).or(least);
+        }
+        Ok(least.filter(|s| *s > 0.0))
+    }
+
+    fn empty_pass(&mut self) -> Result<f64> {
+        self.recorder.submit(|recording| {
+            for _ in 0..EMPTY_PASSES {
+                recording.pass("nothing", |_| Ok(()))?;
+            }
+            Ok(())
+        })?;
+        let whole = self.recorder.submissions.last().map_or(0.0, |span| span.end_ms - span.begin_ms);
+        Ok(whole / f64::from(EMPTY_PASSES))
+    }
+}
+
+fn rate(work: f64, seconds: Option<f64>) -> f64 {
+    seconds.map_or(0.0, |seconds| work / seconds)
+}
+
+/// Triangle views and integrated texels in a second.
+fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) -> Result<(f64, f64)> {
+    let views = Views::Hemicube;
+    let desc =
+        CaptureDesc { name: "capture", views, size: CAPTURE_SIZE, capacity: CAPTURES, identity: true, culled: false };
+    let capture = Capture::new(device, ground.scene, ground.geometry, None, desc)?;
+    let count = capture.desc.capacity;
+    capture.frames.upload(&vec![upwards(); count as usize])?;
+    let seconds = stopwatch.seconds(|recording| {
+        recording.pass("capture", |c| {
+            capture.record(c, ground.geometry, None, count);
+            Ok(())
+        })
+    })?;
+    let drawn = f64::from(ground.geometry.triangle_count) * f64::from(views.count() * count);
+    let triangle_views = rate(drawn, seconds);
+
+    let records = Buffer::new(device, "records", u64::from(count) * size_of::<Record>() as u64, Memory::Device)?;
+    let payloads = Buffer::new(device, "records", u64::from(count) * size_of::<Payload>() as u64, Memory::Device)?;
+    let projection = Projection::Hemicube;
+    let captured = Captured { by: CapturedBy::Render(&capture), projection, size: CAPTURE_SIZE, capacity: count };
+    let gradients = Gradients { rotation: true, translation: true };
+    let limits = Limits { accuracy: 0.3, min_radius: 1.0, max_radius: 2.0, scene_radius: 1.0 };
+    let integrate = Integrate::new(device, ground.geometry, &captured, (&records, &payloads), None, gradients, limits)?;
+    let seconds = stopwatch.seconds(|recording| {
+        recording.pass("integrate", |c| {
+            integrate.record(c, count);
+            Ok(())
+        })
+    })?;
+    let texels = projection.table(CAPTURE_SIZE).texels.len() as f64 * f64::from(count);
+    Ok((triangle_views, rate(texels, seconds)))
+}
+
+/// Blended fragments in a second.
+fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) -> Result<f64> {
+    let gbuffer = GBuffer::new(device, ground.scene, ground.geometry, None, [IMAGE; 2], false)?;
+    let place = Record {
+        // A zone so large that no part of the sphere is in front of the record's plane, and all of it within.
+        position: [0.0, 0.0, 0.0, 100.0],
+        normal: [0.0, 0.0, 1.0, 1.0],
+        geometric: [0.0, 0.0, 1.0, 1.0],
+    };
+    let records = Buffer::with_data(device, "records", &vec![place; SPLATS as usize])?;
+    let payloads = Buffer::with_data(device, "records", &vec![Payload::default(); SPLATS as usize])?;
+    let outputs = Outputs { sky: false, records: false };
+    let splat = Splat::new(device, &gbuffer.targets, (&records, &payloads), outputs, true, Weight::Bounded)?;
+    // From the centre along −z, 90° wide, reversed depth.
+    let near = 1e-3;
+    let world_to_clip = Mat4::from_cols(Vec4::X, Vec4::NEG_Y, Vec4::new(0.0, 0.0, 0.0, -1.0), Vec4::Z * near);
+    let view = View {
+        world_to_view: Mat4::IDENTITY.to_cols_array(),
+        scale: [1.0, -1.0, 0.0, 1.0],
+        accuracy: 0.3,
+        normal_limit: 2.0,
+    };
+    let seconds = stopwatch.seconds(|recording| {
+        recording.pass("gbuffer", |c| {
+            gbuffer.record(c, ground.scene, ground.geometry, None, world_to_clip, Vec4::W);
+            splat.record_clear(c);
+            Ok(())
+        })?;
+        recording.pass("splat", |c| {
+            splat.record(c, &view, SPLATS);
+            Ok(())
+        })
+    })?;
+    Ok(rate(f64::from(IMAGE * IMAGE) * f64::from(SPLATS), seconds))
+}
+
+/// A hemicube at the centre.
+fn upwards() -> Frame {
+    Frame {
+        origin: [0.0, 0.0, 0.0, 1e-6],
+        tangent: [1.0, 0.0, 0.0, 1.0],
+        bitangent: [0.0, 1.0, 0.0, 1.0],
+        normal: [0.0, 0.0, 1.0, 1.0],
+        horizon: [0.0, 0.0, 1.0, 0.0],
+    }
+}
+
+/// The unit sphere, facing in.
+fn sphere() -> Scene {
+    let (columns, grey) = (RINGS, Vec4::new(0.5, 0.5, 0.5, 1.0));
+    let at = |ring: u32, column: u32| {
+        let (theta, phi) = (PI * ring as f32 / RINGS as f32, TAU * column as f32 / columns as f32);
+        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
+    };
+    let positions: Vec<Vec3> = (0..=RINGS).flat_map(|ring| (0..columns).map(move |column| at(ring, column))).collect();
+    let vertex = |ring: u32, column: u32| ring * columns + column % columns;
+    let quads = (0..RINGS).flat_map(|ring| (0..columns).map(move |column| (ring, column)));
+    let triangles: Vec<[u32; 3]> = quads
+        .flat_map(|(i, j)| {
+            let [a, b, c, d] = [vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i + 1, j)];
+            [(i > 0).then_some([a, b, c]), (i + 1 < RINGS).then_some([a, c, d])]
+        })
+        .flatten()
+        .collect();
+    let material = Material {
+        name: "grey".into(),
+        base_color: grey,
+        base_texture: None,
+        normal_texture: None,
+        normal_scale: 1.0,
+        emission: Vec3::ZERO,
+        emission_texture: None,
+        alpha_cutoff: None,
+        double_sided: true,
+    };
+    Scene {
+        name: "sphere".into(),
+        normals: positions.iter().map(|p| -*p).collect(),
+        parts: vec![Part { material: 0, first_triangle: 0, triangle_count: triangles.len() as u32 }],
+        materials: vec![material],
+        positions,
+        triangles,
+        ..Scene::default()
+    }
+}
