@@ -24,6 +24,9 @@ use task::Task;
 
 /// Height of the image where nothing else says its size.
 const HEIGHT: u32 = 256;
+/// The same with `--quick`: in the time that it has for a reference, a larger one would have more noise than caches have
+/// error.
+const QUICK_HEIGHT: u32 = 128;
 
 /// Runs the subcommand.
 pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
@@ -73,7 +76,9 @@ fn size(args: &ConvergenceArgs, camera: &Camera, reference: Option<(u32, u32)>) 
             ensure!(agrees, "--reference has {w} × {h} pixels: leave --width and --height out, or name another");
             (w, h)
         }
-        None if width.is_none() && height.is_none() => scene::image_size(camera, None, Some(HEIGHT)),
+        None if width.is_none() && height.is_none() => {
+            scene::image_size(camera, None, Some(if args.quick { QUICK_HEIGHT } else { HEIGHT }))
+        }
         None => scene::image_size(camera, width, height),
     };
     let sides = 1..=scene::LARGEST_SIDE;

@@ -5,10 +5,11 @@ mod axis;
 use axis::{Axis, number};
 use std::fmt::Write;
 
-/// Colours that are told apart with every kind of colour vision (Okabe and Ito 2008, "Color Universal Design").
-const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#444444"];
+/// Colours that are told apart with every kind of colour vision (Okabe and Ito 2008, "Color Universal Design"; the wine
+/// red is of Tol's "muted" scheme, in place of a second blue).
+const COLOURS: [&str; 7] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#882255", "#444444"];
 
-const WIDTH: f64 = 960.0;
+const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 560.0;
 /// Plot area: left, top, right, bottom.
 const PLOT: [f64; 4] = [78.0, 60.0, 700.0, 492.0];
@@ -24,6 +25,8 @@ pub struct Dot {
     pub text: String,
     /// Ringed: on the front of all series.
     pub ringed: bool,
+    /// How far repeated measurements of the horizontal value lie apart; drawn about the point.
+    pub spread: f64,
 }
 
 /// Points of one kind.
@@ -140,11 +143,16 @@ impl Chart {
         }
         for dot in &series.dots {
             let (a, b) = place(dot.at);
-            let pale = !series.line.contains(&dot.at);
+            if dot.spread > 0.0 {
+                // Half of it may be more than the middle value, which a logarithmic axis has no place for.
+                let low = (dot.at.0 - 0.5 * dot.spread).max(0.5 * dot.at.0);
+                let (from, to) = (x.place(low), x.place(dot.at.0 + 0.5 * dot.spread));
+                let _ = writeln!(out, "<path d=\"M{from:.1} {b:.1}H{to:.1}\" stroke=\"{colour}\" opacity=\"0.6\"/>");
+            }
+            let fill = if series.line.contains(&dot.at) { colour } else { "#fff" };
             let _ = writeln!(
                 out,
-                "<g fill=\"{colour}\" opacity=\"{}\"><title>{}</title>{}</g>",
-                if pale { 0.45 } else { 1.0 },
+                "<g fill=\"{fill}\" stroke=\"{colour}\"><title>{}</title>{}</g>",
                 escape(&dot.text),
                 mark(index, a, b)
             );
@@ -177,7 +185,10 @@ impl Chart {
             y += 42.0;
             let faint = "font-size=\"11\" fill=\"#666\"";
             text(out, (left - 14.0, y), "start", faint, "Lines join a method’s best points;");
-            text(out, (left - 14.0, y + 15.0), "start", faint, "its other settings are pale.");
+            text(out, (left - 14.0, y + 15.0), "start", faint, "its other settings are hollow.");
+            if self.series.iter().any(|s| s.dots.iter().any(|dot| dot.spread > 0.0)) {
+                text(out, (left - 14.0, y + 30.0), "start", faint, "Bars: spread of repeated timings.");
+            }
         }
     }
 }
@@ -223,12 +234,27 @@ fn mark(index: usize, x: f64, y: f64) -> String {
             corners.iter().map(|(dx, dy)| format!("{:.1},{:.1}", x + MARK * dx, y + MARK * dy)).collect();
         format!("<polygon points=\"{}\"/>", corners.join(" "))
     };
-    match index % 5 {
+    match index % 7 {
         0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{MARK}\"/>"),
         1 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
         2 => polygon(&[(0.0, -1.2), (1.1, 0.8), (-1.1, 0.8)]),
         3 => polygon(&[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)]),
-        _ => polygon(&[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)]),
+        4 => polygon(&[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)]),
+        5 => polygon(&[(-1.2, 0.0), (-0.6, -1.0), (0.6, -1.0), (1.2, 0.0), (0.6, 1.0), (-0.6, 1.0)]),
+        _ => polygon(&[
+            (-1.2, -0.4),
+            (-0.4, -0.4),
+            (-0.4, -1.2),
+            (0.4, -1.2),
+            (0.4, -0.4),
+            (1.2, -0.4),
+            (1.2, 0.4),
+            (0.4, 0.4),
+            (0.4, 1.2),
+            (-0.4, 1.2),
+            (-0.4, 0.4),
+            (-1.2, 0.4),
+        ]),
     }
 }
 
@@ -261,7 +287,7 @@ pub(crate) mod tests {
     }
 
     fn sample() -> Chart {
-        let dot = |x, y, ringed| Dot { at: (x, y), text: "a <b> & \"c\"\u{1}".into(), ringed };
+        let dot = |x, y, ringed| Dot { at: (x, y), text: "a <b> & \"c\"\u{1}".into(), ringed, spread: x };
         let series = |name: &str, dots: Vec<Dot>| Series {
             name: name.into(),
             line: dots.iter().map(|dot| dot.at).collect(),
@@ -285,6 +311,7 @@ pub(crate) mod tests {
         assert_eq!(svg.matches("<title>").count(), 3);
         assert!(svg.contains("noise") && svg.contains("error &lt; time") && !svg.contains('\u{1}'));
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        assert_eq!(svg.matches("<path d=\"M").count(), 3, "a bar a point that has a spread");
         assert_well_formed(&Chart::default().svg());
     }
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Prints measured points as Markdown tables: how long each method takes to each error, and what its usual settings give.
 
-  tools/peers/table.py DIR/points.csv...      as hemicube convergence and run.py write them
+  tools/peers/table.py DIR/points.csv...                     as hemicube convergence and run.py write them
+  tools/peers/table.py DIR/points.csv... --into README.md    in place of what stands between the file's two marks
 
 Times are those of the indirect light alone, processor seconds of all threads together / seconds on the clock, medians
 over the repeats. Errors are mean absolute errors over the mean. Times to an error are interpolated in logarithms between
@@ -11,9 +12,9 @@ of them gets there.
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
-import sys
 from pathlib import Path
 
 import points
@@ -29,6 +30,7 @@ USUAL = {
     "splatting": {"accuracy": 0.3, "capture_size": 32, "gradients": "both"}, "ward": {"accuracy": 0.2, "rays": 1024},
     "path": {"spp": 256}, "radiance": {"ad": 512, "as": 128, "aa": 0.2, "ar": 64}, "mitsuba": {"spp": 256},
 }
+MARKS = ("<!-- tools/peers/measure.sh: -->", "<!-- end of tools/peers/measure.sh -->")
 Series = tuple[str, str, str, str]
 
 
@@ -126,17 +128,30 @@ def capture(own: list[Point]) -> str:
     return max(set(kinds), key=kinds.count)
 
 
+def put(into: Path, tables: str) -> None:
+    """Replaces what stands between the marks."""
+    text = into.read_text()
+    parts = [text.partition(mark) for mark in MARKS]
+    if not all(mark for _, mark, _ in parts):
+        raise SystemExit(f"{into}: it has no lines {MARKS[0]} and {MARKS[1]}")
+    into.write_text(f"{parts[0][0]}{MARKS[0]}\n\n{tables}\n\n{MARKS[1]}{parts[1][2]}")
+
+
 def main() -> None:
     """Both tables."""
-    files = [Path(word) for word in sys.argv[1:]]
-    if not files or any(word.startswith("-") for word in sys.argv[1:]):
-        raise SystemExit((__doc__ or "").strip())
-    for file in files:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("points", type=Path, nargs="+", metavar="POINTS.csv")
+    parser.add_argument("--into", type=Path, metavar="FILE.md")
+    options = parser.parse_args()
+    for file in options.points:
         if not file.is_file():
-            raise SystemExit(f"{file}: no such file")
-    found = groups([point for file in files for point in points.read(file)])
-    print("\n".join(reach_table(found)), end="\n\n")
-    print("\n".join(usual_table(found)))
+            parser.error(f"{file}: no such file")
+    found = groups([point for file in options.points for point in points.read(file)])
+    tables = "\n".join([*reach_table(found), "", *usual_table(found)])
+    if options.into:
+        put(options.into, tables)
+    else:
+        print(tables)
 
 
 if __name__ == "__main__":

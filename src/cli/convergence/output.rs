@@ -8,7 +8,7 @@ use hemicube::image::metrics::difference_map;
 use hemicube::image::tone::{Look, luminance, turbo};
 use hemicube::image::write::write_atomic;
 use hemicube::image::{Kind, Layer};
-use hemicube::report::convergence::{Axes, Machine, Page, Point, Shot, Time, chart, front, png_address, short};
+use hemicube::report::convergence::{Axes, Machine, Page, Point, Shot, Time, chart, front, png_address, seconds};
 use hemicube::report::table::percent;
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ const DIFFERENCE_TOP: f32 = 0.25;
 
 /// A point's figures in a line.
 pub fn one_line(point: &Point) -> String {
-    let seconds = |column: &str| point.number(column).map_or_else(|| "–".into(), short);
+    let seconds = |column: &str| point.number(column).map_or_else(|| "–".into(), seconds);
     let error = point.number("mae").map_or_else(|| "–".into(), percent);
     let records = point.number("records").filter(|n| *n > 0.0).map_or_else(String::new, |n| format!("{n} records, "));
     format!("{records}{} CPU s, {} s, error {error}", seconds("indirect_cpu_s"), seconds("indirect_wall_s"))

@@ -41,7 +41,12 @@ fn block_mean(picture: &Picture, layer: &str, both: &[bool], block: (usize, usiz
 /// Compares the layers by blocks; `noise` is the reference's standard error of a pixel over the mean of the layer.
 fn compare(name: &str, size: (u32, u32), bounces: u32, noise: &[(&str, f64)]) {
     let Some(folder) = folder(name) else { return };
-    let peer = exr::read(&folder.join(format!("E_{}x{}.exr", size.0, size.1))).unwrap();
+    let mut peer = exr::read(&folder.join(format!("E_{}x{}.exr", size.0, size.1))).unwrap();
+    if let Some(b2) = peer.rgb("b2") {
+        let b1 = peer.rgb("b1").unwrap();
+        let sum = (0..b1[0].len()).map(|i| std::array::from_fn(|c| b1[c][i] + b2[c][i])).collect::<Vec<[f32; 3]>>();
+        peer.insert_rgb("irradiance", sum);
+    }
     let scene = scene::load(&folder.join(format!("{name}.gltf"))).unwrap();
     let tracer = Tracer::new(&scene);
     let settings = Settings { bounces, seed: 7, batch: 4 };
@@ -129,6 +134,18 @@ fn cornell() {
         Settings::ALL_BOUNCES,
         &[("dir", 0.0007), ("b1", 0.0057), ("b2", 0.0403), ("b3plus", 0.0562)],
     );
+}
+
+/// What `--bounces 2` gives, against the sum of what has been reflected once and twice.
+#[test]
+fn two_bounces() {
+    compare("cornell", (256, 256), 2, &[("irradiance", noise_of_sum([0.0057, 0.0403], [0.0741, 0.0369]))]);
+    compare("sponza", (128, 128), 2, &[("irradiance", noise_of_sum([0.0085, 0.05], [0.5476, 0.2306]))]);
+}
+
+/// Noise over the mean of a sum of two layers of these noises and means.
+fn noise_of_sum(noise: [f64; 2], mean: [f64; 2]) -> f64 {
+    (noise[0] * mean[0]).hypot(noise[1] * mean[1]) / (mean[0] + mean[1])
 }
 
 #[test]

@@ -39,6 +39,7 @@ pub fn chart(title: &str, subtitle: &str, points: &[Point], axes: &Axes, series:
             at: (t, e),
             text: describe(&points[index], axes, (t, e)),
             ringed: best.contains(&index),
+            spread: spread(&points[index], axes.time).unwrap_or(0.0),
         };
         Series { dots: own.iter().map(dot).collect(), line: pareto(&at).into_iter().map(|i| at[i]).collect(), name }
     });
@@ -61,13 +62,17 @@ fn rank(method: &str) -> usize {
     ["splatting", "ward", "path", "radiance", "mitsuba"].iter().position(|known| *known == method).unwrap_or(usize::MAX)
 }
 
-fn describe(point: &Point, axes: &Axes, (time, error): (f64, f64)) -> String {
-    let spread = match axes.time {
+/// Longest less shortest of the repeated timings; none of a point that was timed once.
+fn spread(point: &Point, time: Time) -> Option<f64> {
+    let spread = match time {
         Time::Cpu => point.number("indirect_cpu_spread_s"),
         Time::Wall => point.number("wall_spread_s"),
     };
-    let spread = spread.filter(|_| point.number("repeats").is_some_and(|n| n > 1.0));
-    let spread = spread.map_or_else(String::new, |s| format!(" (spread {} s)", short(s)));
+    spread.filter(|_| point.number("repeats").is_some_and(|n| n > 1.0))
+}
+
+fn describe(point: &Point, axes: &Axes, (time, error): (f64, f64)) -> String {
+    let spread = spread(point, axes.time).map_or_else(String::new, |s| format!(" (spread {} s)", short(s)));
     let records = point.number("records").filter(|n| *n > 0.0).map_or_else(String::new, |n| format!(", {n} records"));
     let (series, words) = (point.series(), point.words());
     format!("{series}: {words}{records}\n{} s{spread}, {} {}", short(time), axes.error, percent(error))

@@ -1,7 +1,7 @@
 //! One page without other files: charts, tables, pictures.
 
 use super::front::{pareto, places, time_to_reach};
-use super::point::{Point, Time, short};
+use super::point::{Point, Time, seconds, short};
 use crate::image::png;
 use crate::report::svg::escape;
 use crate::report::table::percent;
@@ -92,12 +92,13 @@ impl Page<'_> {
             *out += "</tr>\n";
             for (series, times) in rows {
                 let _ = write!(out, "<tr><td>{}</td>", escape(&series));
-                times.iter().for_each(|t| *out += &format!("<td>{}</td>", t.map_or_else(|| "–".into(), seconds)));
+                times.iter().for_each(|time| *out += &format!("<td>{}</td>", escape(time)));
                 *out += "</tr>\n";
             }
             *out += "</table></div>\n";
         }
-        *out += "<p>Interpolated between a method’s best points; – where none of them gets there.</p>\n";
+        *out += "<p>Interpolated between a method’s best points; ≤ where the fastest of them is better already, – where none \
+                 gets there.</p>\n";
     }
 
     fn shots(&self, out: &mut String) {
@@ -161,14 +162,8 @@ fn figures(point: &Point) -> Vec<String> {
     ]
 }
 
-/// Three digits.
-fn seconds(value: f64) -> String {
-    let digits = if value.abs() >= 100.0 { 0 } else { 2 - (value.abs().max(1e-3).log10().floor().max(-1.0) as i32) };
-    format!("{value:.*}", digits.max(0) as usize)
-}
-
 /// Times to each of the levels, a row a series.
-fn reach(points: &[Point], time: Time, error: &str) -> Vec<(String, Vec<Option<f64>>)> {
+fn reach(points: &[Point], time: Time, error: &str) -> Vec<(String, Vec<String>)> {
     let places = places(points, time, error);
     let mut names: Vec<String> = places.iter().map(|(index, ..)| points[*index].series()).collect();
     let mut seen = std::collections::HashSet::new();
@@ -177,7 +172,11 @@ fn reach(points: &[Point], time: Time, error: &str) -> Vec<(String, Vec<Option<f
         let own: Vec<(f64, f64)> =
             places.iter().filter(|(i, ..)| points[*i].series() == name).map(|(_, t, e)| (*t, *e)).collect();
         let front: Vec<(f64, f64)> = pareto(&own).into_iter().map(|i| own[i]).collect();
-        (name, LEVELS.iter().map(|level| time_to_reach(&front, *level)).collect())
+        let cell = |level: &f64| {
+            let bound = if front.first().is_some_and(|(_, e)| e <= level) { "≤ " } else { "" };
+            time_to_reach(&front, *level).map_or_else(|| "–".into(), |time| format!("{bound}{}", seconds(time)))
+        };
+        (name, LEVELS.iter().map(cell).collect())
     };
     names.into_iter().map(times).collect()
 }
@@ -242,7 +241,8 @@ mod tests {
         let points = [sample("ward", 0.3, 1.0, 0.4), sample("ward", 0.1, 4.0, 0.1)];
         let rows = reach(&points, Time::Cpu, "mae");
         assert_eq!((rows.len(), rows[0].0.as_str()), (1, "Ward's cache"));
-        assert!((rows[0].1[0].unwrap() - 2.0).abs() < 1e-9 && rows[0].1[2].is_none());
-        assert_eq!([0.0123, 1.234, 12.34, 1234.0].map(seconds), ["0.012", "1.23", "12.3", "1234"]);
+        assert_eq!(rows[0].1, ["2.00", "4.00", "–", "–", "–", "–"]);
+        let coarse = [sample("ward", 0.3, 1.0, 0.15)];
+        assert_eq!(reach(&coarse, Time::Cpu, "mae")[0].1[..2], ["≤ 1.00", "–"]);
     }
 }

@@ -10,4 +10,4 @@ pub use chart::{Axes, chart};
 pub use front::{front, pareto, places, time_to_reach};
 pub use html::{Page, Shot, png_address};
 pub use machine::{Machine, peak_memory, reset_peak_memory};
-pub use point::{COLUMNS, Point, Time, median_and_spread, method_name, short};
+pub use point::{COLUMNS, Point, Time, median_and_spread, method_name, seconds, short};

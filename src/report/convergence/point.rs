@@ -196,7 +196,7 @@ pub fn method_name(method: &str) -> String {
         "splatting" => "Irradiance splatting".into(),
         "ward" => "Ward's cache".into(),
         "path" => "Path tracing".into(),
-        "radiance" => "Radiance rpict".into(),
+        "radiance" => "Radiance".into(),
         "mitsuba" => "Mitsuba 3 path".into(),
         other => other.into(),
     }
@@ -210,6 +210,12 @@ pub fn short(value: f64) -> String {
     let digits = (6 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+/// Seconds with three digits.
+pub fn seconds(value: f64) -> String {
+    let digits = if value.abs() >= 100.0 { 0 } else { 2 - (value.abs().max(1e-3).log10().floor().max(-1.0) as i32) };
+    format!("{value:.*}", digits.max(0) as usize)
 }
 
 /// Half-sample: the middle of the sorted values, and largest less smallest.
@@ -255,5 +261,6 @@ pub(super) mod tests {
     fn numbers_are_short_and_exact_enough() {
         assert_eq!([0.3, 1234567.89, 1e-4, 0.0, 12.0].map(short), ["0.3", "1234568", "0.0001", "0", "12"]);
         assert_eq!(median_and_spread(&[3.0, 1.0, 2.0]), (2.0, 2.0));
+        assert_eq!([0.0123, 1.234, 12.34, 1234.0].map(seconds), ["0.012", "1.23", "12.3", "1234"]);
     }
 }

@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# Measures what the readme says about error against time: two scenes, all methods and both peers, on this machine.
+#
+#   tools/peers/measure.sh DIR              about 17 minutes on two cores that have nothing else to do
+#   tools/peers/measure.sh DIR --readme     the same, then puts the tables and charts into README.md and assets/
+#   tools/peers/measure.sh DIR --try        a few points of Cornell, once each, to see that everything is there
+#
+# HEMICUBE_SCENES is the folder of the scenes with their references (default ../shared/scenes): cornell and sponza, each with
+# NAME.gltf and E_256x256.exr, whose layer b1 is the irradiance after one bounce. DIR gets a folder for each scene, with
+# points.csv, charts and index.html, and peers.csv with the points of the peers. What is there already is not run again.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+usage() { sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "$0"; }
+case ${1:-} in '' | -*) usage; exit 2 ;; esac
+out=$1
+what=${2:-}
+case $what in '' | --readme | --try) ;; *) usage; exit 2 ;; esac
+scenes=${HEMICUBE_SCENES:-../shared/scenes}
+
+hemicube=${HEMICUBE:-target/release/hemicube}
+[ -n "${HEMICUBE:-}" ] || cargo build --release --quiet
+mkdir -p "$out"
+
+radiance() { # one setting of rpict: ambient divisions, super-samples, accuracy, resolution
+  printf '%s\n' --radiance "{\"ad\": $1, \"as\": $2, \"aa\": $3, \"ar\": $4}"
+}
+mapfile -t quick < <(radiance 128 0 0.3 32)
+mapfile -t usual < <(radiance 128 0 0.3 32; radiance 256 64 0.25 48; radiance 512 128 0.2 64)
+mapfile -t careful < <(radiance 1024 256 0.15 128)
+
+peers() { # scene, then flags
+  local name=$1
+  shift
+  tools/peers/run.py "$scenes/$name/$name.gltf" --reference "$scenes/$name/E_256x256.exr" -o "$out/peers.csv" "$@"
+}
+ours() { # scene, then flags
+  local name=$1
+  shift
+  "$hemicube" convergence "$scenes/$name/$name.gltf" --reference "$scenes/$name/E_256x256.exr" --layer b1 -o "$out/$name" \
+    --peers "$out/peers.csv" "$@"
+}
+
+if [ "$what" = --try ]; then
+  peers cornell --repeats 1 "${quick[@]}" --mitsuba '{"spp": 16}'
+  ours cornell --repeats 1 --methods splatting,ward,path --accuracy 0.6,0.3 --rays 256 --spp 4,16
+  tools/peers/table.py "$out/cornell/points.csv"
+  exit 0
+fi
+
+peers cornell "${usual[@]}" "${careful[@]}" --mitsuba '{"spp": 16}' --mitsuba '{"spp": 64}' --mitsuba '{"spp": 256}'
+ours cornell --spp 4,16,64,256
+
+# A point of Sponza takes ten times as long: each setting of splatting by itself at one accuracy, and fewer of the slow.
+peers sponza "${usual[@]}" --mitsuba '{"spp": 16}' --mitsuba '{"spp": 64}'
+ours sponza --methods splatting --accuracy 0.6,0.3,0.2
+ours sponza --methods splatting --accuracy 0.3 --capture-size 16,64
+ours sponza --methods splatting --accuracy 0.3 --gradients none
+ours sponza --methods splatting --accuracy 0.3 --capture hemicube
+ours sponza --methods ward --accuracy 0.5,0.3 --rays 256
+ours sponza --methods ward --accuracy 0.3,0.2 --rays 1024
+ours sponza --methods path --spp 4,16,64
+
+if [ "$what" = --readme ]; then
+  for name in cornell sponza; do cp "$out/$name/error-cpu.svg" "assets/error-$name.svg"; done
+  tools/peers/table.py "$out/cornell/points.csv" "$out/sponza/points.csv" --into README.md
+else
+  tools/peers/table.py "$out/cornell/points.csv" "$out/sponza/points.csv"
+fi
