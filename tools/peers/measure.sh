@@ -56,7 +56,7 @@ peers sponza "${usual[@]}" --mitsuba '{"spp": 16}' --mitsuba '{"spp": 64}'
 ours sponza --methods splatting --accuracy 0.6,0.3,0.2
 ours sponza --methods splatting --accuracy 0.3 --capture-size 16,64
 ours sponza --methods splatting --accuracy 0.3 --gradients none
-ours sponza --methods splatting --accuracy 0.3 --capture hemicube
+ours sponza --methods splatting --accuracy 0.3 --capture hemicube,plane # a hemisphere would need Sponza cut small
 ours sponza --methods ward --accuracy 0.5,0.3 --rays 256
 ours sponza --methods ward --accuracy 0.3,0.2 --rays 1024
 ours sponza --methods path --spp 4,16,64

@@ -15,6 +15,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 from pathlib import Path
 
 import points
@@ -137,6 +138,23 @@ def put(into: Path, tables: str) -> None:
     into.write_text(f"{parts[0][0]}{MARKS[0]}\n\n{tables}\n\n{MARKS[1]}{parts[1][2]}")
 
 
+def machine() -> str:
+    """This machine's processor."""
+    info = Path("/proc/cpuinfo")
+    models = [line.split(":")[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")] if info.is_file() else []
+    return f"{models[0] if models else 'unknown processor'}, {os.cpu_count()} threads"
+
+
+def charts(into: Path, found: dict[Series, list[Point]]) -> list[str]:
+    """Lines that show assets/error-SCENE.svg beside the file, where there is one."""
+    lines = []
+    for scene in dict.fromkeys(name[0] for name in found):
+        chart = f"assets/error-{scene.split()[0]}.svg"
+        if (into.parent / chart).is_file():
+            lines += [f"![{scene}: error against processor time]({chart})", ""]
+    return lines
+
+
 def main() -> None:
     """Both tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -147,9 +165,10 @@ def main() -> None:
         if not file.is_file():
             parser.error(f"{file}: no such file")
     found = groups([point for file in options.points for point in points.read(file)])
-    tables = "\n".join([*reach_table(found), "", *usual_table(found)])
+    head = f"On {machine()}: processor seconds / clock seconds to a mean absolute error of"
+    tables = "\n".join([head, "", *reach_table(found), "", "and in usual settings", "", *usual_table(found)])
     if options.into:
-        put(options.into, tables)
+        put(options.into, "\n".join([*charts(options.into, found), tables]))
     else:
         print(tables)
 

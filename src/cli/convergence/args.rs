@@ -94,7 +94,8 @@ time of the same picture without indirect light is taken off. Errors are over th
   mae  mean absolute error / mean        block_mae  mae of averages over 4 × 4 pixels, from which noise is gone
   rms  root of mean squared error / mean      p99  99th percentile of a pixel's relative error
 `hemicube compare --help` says more. Usual settings: splatting with accuracy .6 to .12, with the capture that suits the
-device at 32 texels and both gradients, then with one of these changed: 16 and 64 texels, the other capture, no gradients.
+device at 32 texels and both gradients, then with one of these changed: 16 and 64 texels, each other capture, no
+gradients.
 Lists in their place are measured all with all. Without --width and --height the image has the reference's size, else 256
 lines, with --quick 128. A folder holds points of one scene, view and reference; points of settings that are no longer asked for stay in it.
 

@@ -159,7 +159,9 @@ fn splatting(args: &ConvergenceArgs, on_cpu: bool) -> Vec<Task> {
     } else if args.quick {
         vec![base, (own, 32, GradientsArg::None)]
     } else {
-        vec![base, (own, 16, base.2), (own, 64, base.2), (other, 32, base.2), (own, 32, GradientsArg::None)]
+        let others = [other, CaptureArg::Plane, CaptureArg::Hemisphere].map(|capture| (capture, 32, base.2));
+        let sizes = [16, 64].map(|size| (own, size, base.2));
+        [&[base], &sizes[..], &others, &[(own, 32, GradientsArg::None)]].concat()
     };
     let sweep = |(capture, size, gradients)| {
         let point = move |accuracy| Task::Splatting { accuracy, capture, size, gradients };
