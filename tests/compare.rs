@@ -15,6 +15,7 @@ fn folder() -> TempDir {
         let mut picture = Picture::new(32, 24);
         picture.insert_rgb("", (0..768).map(|i| [scale * value(i); 3]));
         picture.insert_rgb(layer, (0..768).map(|i| [scale * value(i), scale, 0.5 * scale]));
+        picture.insert_rgb("stderr.both", (0..768).map(|i| [scale * value(i); 3]));
         picture.insert_scalar("Z", (0..768).map(value));
         picture.insert_scalar("mask", (0..768).map(|i| if i < 700 { 1.0 } else { 0.0 }));
         picture
@@ -38,6 +39,9 @@ fn common_layers_are_shown_without_a_threshold() {
     let (code, out, _) = compare(folder.path(), "test.exr reference.exr");
     assert_eq!(code, 0);
     assert!(out.contains("RGB") && out.contains("Z ") && !out.contains("b1") && out.contains("3.00 %"), "{out}");
+    assert!(!out.contains("stderr"), "{out}");
+    let (code, out, _) = compare(folder.path(), "test.exr reference.exr --layer stderr.both");
+    assert!(code == 0 && out.contains("stderr.both"), "{out}");
 }
 
 #[test]

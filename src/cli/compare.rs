@@ -24,7 +24,7 @@ pub struct CompareArgs {
     #[arg(value_name = "REFERENCE.exr")]
     reference: PathBuf,
     /// Layer to compare, repeatable; NAME=NAME where the files call it differently, A+B for a sum, RGB for the picture
-    /// itself. Default: the layers that both files have
+    /// itself. Default: the layers that both files have, but for standard errors
     #[arg(long = "layer", value_name = "NAME[=NAME]", help_heading = "What is compared")]
     layers: Vec<String>,
     /// Compare only where this is above 0.5: a layer or channel of either file, or the mask in another EXR file

@@ -52,7 +52,7 @@ peers cornell "${usual[@]}" "${careful[@]}" --mitsuba '{"spp": 16}' --mitsuba '{
 ours cornell --spp 4,16,64,256
 
 # A point of Sponza takes ten times as long: each setting of splatting by itself at one accuracy, and fewer of the slow.
-peers sponza "${usual[@]}" --mitsuba '{"spp": 16}' --mitsuba '{"spp": 64}'
+peers sponza "${usual[@]}" --mitsuba '{"spp": 16}' --mitsuba '{"spp": 64}' --mitsuba '{"spp": 256}'
 ours sponza --methods splatting --accuracy 0.6,0.3,0.2
 ours sponza --methods splatting --accuracy 0.3 --capture-size 16,64
 ours sponza --methods splatting --accuracy 0.3 --gradients none

@@ -41,10 +41,12 @@ pub fn read_pair(test: &Path, reference: &Path) -> Result<(Picture, Picture)> {
     Ok((a, b))
 }
 
-/// The layers to compare: those asked for, else those that both files have.
+/// The layers to compare: those asked for, else those that both files have. Standard errors say how far a picture may be
+/// off, and are nothing to be off by themselves.
 pub fn resolve(args: &CompareArgs, test: &Picture, reference: &Picture) -> Result<Vec<Pair>> {
     let wanted: Vec<String> = if args.layers.is_empty() {
-        common_layers(test, reference).into_iter().map(shown).map(str::to_owned).collect()
+        let common = common_layers(test, reference).into_iter().filter(|name| !name.starts_with("stderr."));
+        common.map(shown).map(str::to_owned).collect()
     } else {
         args.layers.clone()
     };
