@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
 use assert_cmd::Command;
 use hemicube::image::{Picture, exr};
+use hemicube::reference::{Settings, Stop, path_trace};
 use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
@@ -114,4 +115,45 @@ fn bad_input_is_one_clear_line_and_exit_code_2() {
         assert!(out.is_empty(), "{arguments}: {out}");
     }
     assert!(!folder.path().join("d.png").exists());
+}
+
+/// Side of the pictures below.
+const SIDE: u32 = 64;
+
+/// Two pictures of the Cornell box by other random numbers pass; each of three faults that an estimator may have is caught
+/// through their noise.
+#[test]
+fn broken_estimators_are_seen_through_noise() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = hemicube::scene::cornell();
+    let traced = |seed| {
+        let settings = Settings { bounces: 1, seed, batch: 64 };
+        path_trace(&scene, &scene.cameras[0], (SIDE, SIDE), settings, &Stop { spp: Some(256), ..Stop::default() }).0
+    };
+    let (test, reference) = (traced(1), traced(0));
+    let side = SIDE as usize;
+    let changed = |change: &dyn Fn(&[f32], usize) -> f32| {
+        let mut picture = test.clone();
+        for (name, channel) in picture.channels.iter_mut().filter(|(name, _)| name.as_str() != "mask") {
+            let plane = &test.channels[name];
+            *channel = (0..plane.len()).map(|i| change(plane, i)).collect();
+        }
+        picture
+    };
+    let write = |name: &str, picture: &Picture| exr::write(&folder.path().join(name), picture, &[]).unwrap();
+    write("reference.exr", &reference);
+    write("sound.exr", &test);
+    write("loss.exr", &changed(&|plane, i| 0.97 * plane[i]));
+    write("seam.exr", &changed(&|plane, i| if i % side == side / 2 { 0.0 } else { plane[i] }));
+    write("shift.exr", &changed(&|plane, i| if i % side == 0 { plane[i] } else { plane[i - 1] }));
+    for (fault, rule) in [
+        ("loss", "--layer irradiance --metric energy --threshold 0.015"),
+        ("seam", "--layer irradiance --metric p99 --threshold 0.9"),
+        ("shift", "--layer direct --metric mae --threshold 0.03"),
+    ] {
+        let run = |name: &str| compare(folder.path(), &format!("{name}.exr reference.exr --mask mask {rule}"));
+        let (sound, broken) = (run("sound"), run(fault));
+        println!("{fault}:\n{}{}", sound.1, broken.1);
+        assert_eq!((sound.0, broken.0), (0, 1), "{fault}: {}{}", sound.1, broken.1);
+    }
 }
