@@ -54,13 +54,13 @@ fn a_furnace_is_exact_at_every_size() {
     b.floor(grey, -1.0, 1.0);
     b.background(Background::Constant(Vec3::ONE));
     let scene = b.build();
-    for size in [8, 16, 64, 128, 256] {
+    for size in [8, 64, 256] {
         for (capture, share) in WHOLE
             .map(|kind| (kind, 1.0))
             .into_iter()
             .chain([(BARE_PLANE, seen_by_plane((PLANE_APERTURE / 2.0).to_radians().tan()))])
         {
-            for probe in measure(&scene, capture, size, &turned(Vec3::ZERO, 3)) {
+            for probe in measure(&scene, capture, size, &turned(Vec3::ZERO, 2)) {
                 let sky = probe.sky.unwrap();
                 let e = f64::from(sky.value.y) / PI;
                 assert!((e / share - 1.0).abs() < 3e-6, "{capture:?} {size}: {e} of π, not {share}");
@@ -205,7 +205,7 @@ fn every_size_renders_and_the_plan_says_by_what() {
     let scene = cornell();
     for capture in WHOLE {
         for size in [8, 128, 256] {
-            let mut settings = small(12);
+            let mut settings = small(6);
             (settings.cache.capture, settings.cache.capture_size) = (capture, size);
             let rendered = draw(&scene, &scene.cameras[0], &settings);
             check_complete(&rendered);

@@ -47,6 +47,9 @@ layout(push_constant) uniform Push {
 
 #include "inc/cells.glsl"
 #include "inc/sky.glsl"
+#ifndef FROM_COMPUTE
+#include "integrate/curved.glsl"
+#endif
 
 shared vec4 partial[THREADS];
 
@@ -62,29 +65,17 @@ vec4 sum_all(vec4 value) {
     return partial[0];
 }
 
+ivec2 place_of(Texel texel) { return ivec2(texel.place.x & 255, (texel.place.x >> 8) & 255); }
+
 // Identity, and 1/distance as bits, of what a texel sees.
 uvec2 look(uint record, uint i, uvec2 tile, Texel texel, float near) {
 #ifdef FROM_COMPUTE
     return seen_texels[record * push.texel_count + i];
 #else
-    ivec3 at = ivec3(tile + uvec2(texel.place.x & 255, (texel.place.x >> 8) & 255), texel.place.x >> 16);
+    ivec3 at = ivec3(ivec2(tile) + place_of(texel), texel.place.x >> 16);
     float depth = texelFetch(depths, at, 0).x;
     return uvec2(texelFetch(identities, at, 0).x, floatBitsToUint(depth * uintBitsToFloat(texel.place.y) / near));
 #endif
-}
-
-// Where chords stand for curves, a texel may see a triangle beside itself: side and 1/distance as bits come from the
-// triangle, at the direction's point on it or the nearest one to that.
-uvec2 look_closely(uint identity, vec3 origin, vec3 direction) {
-    uint triangle = (identity & 0x7fffffffu) - 1;
-    uvec3 c = corners_of(triangle);
-    vec3 p0 = position_of(c.x), e1 = position_of(c.y) - p0, e2 = position_of(c.z) - p0, s = origin - p0;
-    vec3 h = cross(direction, e2);
-    float volume = dot(e1, h);
-    vec2 uv = clamp(vec2(dot(s, h), dot(direction, cross(s, e1))) * (volume == 0.0 ? 0.0 : 1.0 / volume), 0.0, 1.0);
-    uv /= max(1.0, uv.x + uv.y);
-    bool front = dot(cross(e1, e2), s) > 0.0;
-    return uvec2((triangle + 1) | (front ? 0x80000000u : 0), floatBitsToUint(1.0 / length(uv.x * e1 + uv.y * e2 - s)));
 }
 
 struct Sums { vec4 irradiance; vec3 rotation[3]; };  // irradiance.w: Σ w/d
@@ -97,7 +88,9 @@ void gather(uint record, Frame frame, out Sums lit, out Sums open) {
         Texel texel = texels[i];
         uvec2 hit = look(record, i, tile, texel, frame.origin.w);
         vec3 direction = to_world(frame, texel.direction.xyz);
-        if (IS_CURVED != 0 && hit.x != 0) hit = look_closely(hit.x, frame.origin.xyz, direction);
+#ifndef FROM_COMPUTE
+        if (IS_CURVED != 0) hit = look_closely(tile, place_of(texel), frame.origin.xyz, direction);
+#endif
         uint identity = hit.x;
         float weight = texel.direction.w;
         vec3 turn = vec3(uintBitsToFloat(texel.place.z), uintBitsToFloat(texel.place.w), 0.0);
