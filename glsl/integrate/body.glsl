@@ -29,7 +29,7 @@ layout(set = 1, binding = 1) uniform texture2DArray depths;
 layout(set = 1, binding = 2, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 1, binding = 3, std430) readonly buffer Texels { Texel texels[]; };
 layout(set = 1, binding = 4, std430) readonly buffer Edges { Edge edges[]; };
-layout(set = 1, binding = 5, std430) buffer Gathered { vec4 gathered[]; };  // radiance, 1/distance; then the sky's
+layout(set = 1, binding = 5, std430) buffer Gathered { vec4 gathered[]; };  // radiance, 1/distance; the sky's; the plane
 layout(set = 1, binding = 6, std430) buffer Records { Record records[]; };
 layout(set = 1, binding = 7, std430) writeonly buffer Payloads { Payload payloads[]; };
 layout(set = 1, binding = 8, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
@@ -78,6 +78,18 @@ uvec2 look(uint record, uint i, uvec2 tile, Texel texel, float near) {
 #endif
 }
 
+// Values of a texel in `gathered`: always radiance, then the sky's, then the plane.
+const uint STRIDE = 1 + HAS_SKY + HAS_TRANSLATION;
+
+// The plane of a triangle, local: along any unit direction its dot product is 1/distance from the frame's origin.
+vec3 inverse_plane(uint triangle, Frame frame) {
+    uvec3 c = corners_of(triangle);
+    vec3 p0 = position_of(c.x);
+    vec3 n = cross(position_of(c.y) - p0, position_of(c.z) - p0);
+    float height = dot(n, p0 - frame.origin.xyz);
+    return height != 0.0 ? to_local(frame, n) / height : vec3(0.0);
+}
+
 struct Sums { vec4 irradiance; vec3 rotation[3]; };  // irradiance.w: Σ w/d
 
 void gather(uint record, Frame frame, out Sums lit, out Sums open) {
@@ -95,37 +107,51 @@ void gather(uint record, Frame frame, out Sums lit, out Sums open) {
         float weight = texel.direction.w;
         vec3 turn = vec3(uintBitsToFloat(texel.place.z), uintBitsToFloat(texel.place.w), 0.0);
         vec4 seen = vec4(0.0);
-        vec3 beyond = vec3(0.0);
+        vec3 beyond = vec3(0.0), plane = vec3(0.0);
         bool above = dot(direction, frame.horizon.xyz) > 0.0;
         if (identity != 0 && above) {
             uint triangle = (identity & 0x7fffffffu) - 1;
             seen.rgb = surface_radiance(triangle, identity >= 0x80000000u, frame.origin.xyz, direction);
             seen.w = uintBitsToFloat(hit.y);
+            if (HAS_TRANSLATION != 0) plane = inverse_plane(triangle, frame);
         } else if (HAS_SKY != 0 && above) {
             beyond = sky_radiance(direction);
         }
         lit.irradiance += weight * seen;
         if (HAS_ROTATION != 0) for (int c = 0; c < 3; ++c) lit.rotation[c] += seen[c] * turn;
-        gathered[(HAS_SKY + 1) * (record * push.texel_count + i)] = seen;
+        uint at = STRIDE * (record * push.texel_count + i);
+        gathered[at] = seen;
+        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane, 0.0);
         if (HAS_SKY != 0) {
             open.irradiance.rgb += weight * beyond;
             if (HAS_ROTATION != 0) for (int c = 0; c < 3; ++c) open.rotation[c] += beyond[c] * turn;
-            gathered[2 * (record * push.texel_count + i) + 1] = vec4(beyond, 0.0);
+            gathered[at + 1] = vec4(beyond, 0.0);
         }
     }
 }
 
-// ∇_t E = −Σ (L_i − L_j)·tan(γ/2)·n·(a+b)·m / min(r_i, r_j) over all edges between texels. The nearer texel moves.
+// 1/distance of what moves at the edge between texels i and j: the nearer surface, where its plane meets the edge, not at
+// the texel's centre. An outline lies within half a texel of the edge that stands for it, on either side alike, so that
+// the error is of second order in the texel's width; with the centre's distance, which is always further inside, it is
+// of first. Planes seen edge-on are extrapolated to three times the distance's inverse at most, evenly both ways.
+float inverse_edge_distance(uvec2 edge, uint i, uint j) {
+    float a = gathered[i].w, b = gathered[j].w;
+    float nearest = max(a, b);
+    vec3 plane = gathered[(a >= b ? i : j) + STRIDE - 1].xyz;
+    vec3 between = normalize(texels[edge.x].direction.xyz + texels[edge.y].direction.xyz);
+    return clamp(dot(plane, between), -nearest, 3.0 * nearest);
+}
+
+// ∇_t E = −Σ (L_i − L_j)·tan(γ/2)·n·(a+b)·m / r over all edges between texels.
 void slide(uint record, out vec3 lit[3], out vec3 open[3]) {
     for (int c = 0; c < 3; ++c) lit[c] = open[c] = vec3(0.0);
-    uint stride = HAS_SKY + 1;
     uint base = record * push.texel_count;
     for (uint e = gl_LocalInvocationID.x; e < push.edge_count; e += THREADS) {
         Edge edge = edges[e];
-        uint i = stride * (base + edge.texels.x), j = stride * (base + edge.texels.y);
-        vec4 a = gathered[i], b = gathered[j];
-        vec3 step_ = edge.step_.xyz * max(a.w, b.w);
-        for (int c = 0; c < 3; ++c) lit[c] -= (a[c] - b[c]) * step_;
+        uint i = STRIDE * (base + edge.texels.x), j = STRIDE * (base + edge.texels.y);
+        vec3 step_ = edge.step_.xyz * inverse_edge_distance(edge.texels.xy, i, j);
+        vec3 change = gathered[i].rgb - gathered[j].rgb;
+        for (int c = 0; c < 3; ++c) lit[c] -= change[c] * step_;
         if (HAS_SKY != 0) {
             vec3 difference = gathered[i + 1].rgb - gathered[j + 1].rgb;
             for (int c = 0; c < 3; ++c) open[c] -= difference[c] * step_;

@@ -6,6 +6,7 @@
 #include "inc/oct.glsl"
 #include "inc/views.glsl"
 layout(local_size_x = 64) in;
+#include "inc/invocation.glsl"
 layout(constant_id = 0) const uint LIGHT_KIND = 0;
 layout(constant_id = 1) const uint SHADOW_VIEWS = 0;
 layout(constant_id = 2) const uint SHADOW_SIZE = 256;
@@ -64,7 +65,7 @@ vec3 face_light(EmitterFace face, Receiver at) {
 }
 
 void main() {
-    uint pixel = gl_GlobalInvocationID.x;
+    uint pixel = invocation();
     if (pixel >= push.width * push.height) return;
     ivec2 xy = ivec2(pixel % push.width, pixel / push.width);
     vec4 surface = texelFetch(gbuffer_position, xy, 0);

@@ -6,6 +6,7 @@
 #include "shared/types.glsl"
 #include "inc/oct.glsl"
 layout(local_size_x = 64) in;
+#include "inc/invocation.glsl"
 layout(constant_id = 0) const uint HAS_INDIRECT = 1;
 layout(constant_id = 1) const uint HAS_SKY = 0;
 layout(constant_id = 2) const uint HAS_LIGHTS = 1;
@@ -49,7 +50,7 @@ void put(int plane, uint pixel, float value) {
 vec3 divided(vec4 sum) { return sum.w > 0.0 ? sum.rgb / sum.w : vec3(0.0); }
 
 void main() {
-    uint pixel = gl_GlobalInvocationID.x;
+    uint pixel = invocation();
     if (pixel >= push.size.x * push.size.y) return;
     ivec2 xy = ivec2(pixel % push.size.x, pixel / push.size.x);
     vec4 surface = texelFetch(gbuffer_position, xy, 0);

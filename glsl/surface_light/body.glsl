@@ -7,6 +7,7 @@
 #include "inc/hash.glsl"
 #include "inc/views.glsl"
 layout(local_size_x = 64) in;
+#include "inc/invocation.glsl"
 #include "inc/scene.glsl"
 #include "inc/material_constants.glsl"
 #include "inc/material_textures.glsl"
@@ -45,8 +46,9 @@ vec2 point_in_cell(uint cell, uint s) {
 }
 
 void main() {
-    if (gl_GlobalInvocationID.x >= push.count) return;
-    uint cell = push.first + gl_GlobalInvocationID.x;
+    uint at = invocation();
+    if (at >= push.count) return;
+    uint cell = push.first + at;
     uint triangle = cell_triangle[cell];
     uint first = first_cell[triangle], r = cell_resolution(first_cell[triangle + 1] - first);
     uvec3 c = corners_of(triangle);

@@ -6,6 +6,7 @@ mod folder;
 mod measure;
 mod output;
 mod peers;
+mod stability;
 mod task;
 mod truth;
 
@@ -30,6 +31,9 @@ const QUICK_HEIGHT: u32 = 128;
 
 /// Runs the subcommand.
 pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
+    if args.stability {
+        return stability::run(args);
+    }
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     if !args.quiet {

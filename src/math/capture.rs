@@ -73,6 +73,17 @@ pub struct Table {
     pub edges: Vec<Edge>,
 }
 
+/// What a texel sees.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Radiance, W·sr⁻¹·m⁻².
+    pub radiance: f64,
+    /// 1/distance through the texel's centre; 0 for the sky.
+    pub inverse_distance: f64,
+    /// Plane of what is seen: along any unit direction its dot product is 1/distance.
+    pub plane: DVec3,
+}
+
 /// What a capture tells about its record.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Integral {
@@ -116,23 +127,32 @@ impl Table {
         self.texels.iter().map(Texel::weight).sum()
     }
 
-    /// CPU twin of `glsl/integrate`: `seen` holds radiance and distance (infinite for the sky) of each texel.
+    /// CPU twin of `glsl/integrate`: `seen` holds what each texel sees.
     ///
-    /// An edge moves as its nearer texel does: by −δ·m/r for a step δ, so that ∇_t E = −Σ (L_i − L_j) ∫ cosθ m dl / r.
-    pub fn integrate(&self, seen: &[(f64, f64)]) -> Integral {
+    /// An edge moves as the nearer surface does: by −δ·m/r for a step δ, so that ∇_t E = −Σ (L_i − L_j) ∫ cosθ m dl / r.
+    pub fn integrate(&self, seen: &[Seen]) -> Integral {
         let mut sum = Integral::default();
-        for (texel, (radiance, distance)) in self.texels.iter().zip(seen) {
-            sum.irradiance += texel.weight() * radiance;
-            sum.inverse_distance += texel.weight() / distance;
-            sum.rotation += *radiance * texel.turn();
+        for (texel, seen) in self.texels.iter().zip(seen) {
+            sum.irradiance += texel.weight() * seen.radiance;
+            sum.inverse_distance += texel.weight() * seen.inverse_distance;
+            sum.rotation += seen.radiance * texel.turn();
         }
         sum.inverse_distance /= self.weight();
         for edge in &self.edges {
-            let ((a, ra), (b, rb)) = (seen[edge.i as usize], seen[edge.j as usize]);
-            sum.translation -= (a - b) / ra.min(rb) * edge.step;
+            let (i, j) = (edge.i as usize, edge.j as usize);
+            let between = (self.texels[i].direction + self.texels[j].direction).normalize();
+            let change = seen[i].radiance - seen[j].radiance;
+            sum.translation -= change * inverse_edge_distance(&seen[i], &seen[j], between) * edge.step;
         }
         sum
     }
+}
+
+/// 1/distance of the nearer surface where its plane meets the edge; `integrate/body.glsl` says why.
+fn inverse_edge_distance(a: &Seen, b: &Seen, between: DVec3) -> f64 {
+    let near = if a.inverse_distance >= b.inverse_distance { a } else { b };
+    let q = near.inverse_distance;
+    near.plane.dot(between).clamp(-q, 3.0 * q)
 }
 
 /// Width of a texel where the whole side is `2 half_width` long.

@@ -171,10 +171,10 @@ fn views(projection: Projection) -> Views {
 
 /// Frames of a batch: about 64 MB of texels with all that goes with them.
 fn batch_size(size: u32, views: Views) -> u32 {
-    // Identity and depth a view, radiance and the sky's a texel above the horizon.
+    // Identity and depth a view, radiance, the sky's and the plane a texel above the horizon.
     let bytes = match views.count() {
-        1 => 8 + 16,
-        count => count * 8 + 3 * 16,
+        1 => 8 + 32,
+        count => count * 8 + 3 * 32,
     };
     ((64 << 20) / (size * size * bytes)).clamp(1, 1024)
 }

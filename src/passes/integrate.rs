@@ -92,7 +92,8 @@ impl Integrate {
         let table = captured.projection.table(captured.size);
         let texels = Buffer::with_data(device, "capture tables", &gpu_texels(&table))?;
         let edges = Buffer::with_data(device, "capture tables", &gpu_edges(&table, gradients))?;
-        let per_record = table.texels.len() as u64 * if sky.is_some() { 32 } else { 16 };
+        let values = 1 + u64::from(sky.is_some()) + u64::from(gradients.translation);
+        let per_record = table.texels.len() as u64 * 16 * values;
         let gathered_bytes = per_record * u64::from(captured.capacity);
         let gathered = Buffer::new(device, "gathered radiance", gathered_bytes, Memory::Device)?;
 

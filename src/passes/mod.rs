@@ -17,7 +17,11 @@ pub mod resolve;
 pub mod splat;
 pub mod surface_light;
 
-/// Workgroups of `size` that cover `count` invocations.
+/// Workgroups that every device takes, at least, along one dimension of a dispatch.
+const MOST_GROUPS: u32 = 65535;
+
+/// Workgroups of `size` that cover `count` invocations: a row, or as many rows as are needed (`glsl/inc/invocation.glsl`).
 pub(crate) fn groups(count: u32, size: u32) -> [u32; 3] {
-    [count.div_ceil(size).max(1), 1, 1]
+    let groups = count.div_ceil(size).max(1);
+    [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]
 }

@@ -4,6 +4,7 @@ pub mod convergence;
 pub mod csv;
 pub mod profile;
 pub mod progress;
+pub mod stability;
 pub mod stats;
 pub mod svg;
 pub mod table;

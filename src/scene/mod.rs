@@ -7,6 +7,7 @@
 //! [`load()`] reads one from glTF ([`mod@load`] says what is read and what is tolerated); [`cornell()`] is built in.
 
 mod background;
+pub mod build;
 mod camera;
 mod cornell;
 mod error;

@@ -3,12 +3,11 @@
 #![allow(dead_code, unused_imports)] // each test binary uses a part
 #![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
 
-pub mod build;
 pub mod closed_forms;
 pub mod gltf;
 pub mod program;
 
-pub use build::{Builder, look, look_parallel};
+pub use hemicube::scene::build::{self, Builder, look, look_parallel};
 
 use glam::DVec3;
 use hemicube::image::Picture;

@@ -24,6 +24,12 @@ pub struct ConvergenceArgs {
     /// Methods to measure: splatting (this renderer), ward (Ward's cache on the CPU), path (path tracing on the CPU)
     #[arg(long, value_name = "LIST", value_delimiter = ',', default_value = "splatting,ward,path", help_heading = "What is measured", value_parser = parse_method)]
     pub methods: Vec<MethodArg>,
+    /// Write the stability suite's table instead: records against closed forms and at extremes, with the order in which
+    /// their errors fall with the capture's size. Exit code 1 if a row is out of bounds
+    #[arg(long, conflicts_with_all = ["scene", "background", "camera", "width", "height", "quick", "repeats", "accuracy",
+        "capture_size", "capture", "gradients", "rays", "spp", "reference", "layer", "reference_time", "flip", "peers",
+        "fresh"], help_heading = "What is measured")]
+    pub stability: bool,
     /// Few points, one timing each: under two minutes for the Cornell box on two cores
     #[arg(long, help_heading = "What is measured")]
     pub quick: bool,
@@ -103,11 +109,12 @@ Examples:
   hemicube convergence --quick -o cornell                    the built-in box in two minutes; open cornell/index.html
   hemicube convergence sponza.gltf --reference E_256x256.exr --layer b1 -o sponza
   hemicube convergence -o cornell --methods splatting --accuracy .4,.2,.1 --capture-size 16,32,64 --height 512
+  hemicube convergence --stability -o stability              what records get right, and how exactly: stability.md
 Other renderers, on the same machine and against the same reference:
   tools/peers/run.py cornell.gltf --reference cornell/reference.exr -o peers.csv
   hemicube convergence cornell.gltf -o cornell --peers peers.csv
 
-Exit codes: 0 done; 2 bad usage or input; 3 no suitable device, or device lost.";
+Exit codes: 0 done; 1 a row of --stability is out of bounds; 2 bad usage or input; 3 no suitable device, or device lost.";
 
 /// `--methods`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

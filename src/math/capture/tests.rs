@@ -12,13 +12,17 @@ fn solid_angle(table: &Table) -> f64 {
     table.texels.iter().map(|t| t.solid_angle).sum()
 }
 
+fn seen(radiance: f64, inverse_distance: f64, plane: DVec3) -> Seen {
+    Seen { radiance, inverse_distance, plane }
+}
+
 /// The rectangle x ∈ [.3, 1.5], y ∈ [−.7, .9] at height 1, of radiance 1, seen from the origin.
 fn rectangle(projection: Projection, size: u32) -> Integral {
     let table = projection.table(size);
     let see = |t: &Texel| {
         let p = t.direction / t.direction.z;
         let inside = p.x > 0.3 && p.x < 1.5 && p.y > -0.7 && p.y < 0.9;
-        if inside { (1.0, p.length()) } else { (0.0, f64::INFINITY) }
+        if inside { seen(1.0, 1.0 / p.length(), DVec3::Z) } else { seen(0.0, 0.0, DVec3::ZERO) }
     };
     table.integrate(&table.texels.iter().map(see).collect::<Vec<_>>())
 }
@@ -144,7 +148,7 @@ fn edges_of_a_texel_are_the_change_of_its_form_factor() {
 fn furnace_has_no_gradients() {
     for projection in WHOLE {
         let table = projection.table(16);
-        let got = table.integrate(&vec![(2.0, 3.0); table.texels.len()]);
+        let got = table.integrate(&vec![seen(2.0, 1.0 / 3.0, DVec3::Z); table.texels.len()]);
         assert!((got.irradiance - 2.0 * PI).abs() < 1e-11);
         assert!((got.inverse_distance - 1.0 / 3.0).abs() < 1e-12);
         assert!(got.rotation.length() < 1e-11 && got.translation.length() < 1e-12);
@@ -176,7 +180,7 @@ fn rotation_gradient_of_a_linear_radiance() {
     for projection in WHOLE {
         let errors = [16, 64].map(|size| {
             let table = projection.table(size);
-            let seen: Vec<_> = table.texels.iter().map(|t| (1.0 + l1.dot(t.direction), 1.0)).collect();
+            let seen: Vec<_> = table.texels.iter().map(|t| seen(1.0 + l1.dot(t.direction), 1.0, t.direction)).collect();
             (table.integrate(&seen).rotation - 2.0 * PI / 3.0 * DVec3::Z.cross(l1)).length()
         });
         eprintln!("{projection:?}: {errors:?}");

@@ -1,7 +1,7 @@
-//! Scenes made in code.
+//! Scenes made in code, for closed forms and extremes.
 
+use super::{Background, Camera, Lens, Light, Material, Part, Scene, Texture, Wrap};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
-use hemicube::scene::{Background, Camera, Lens, Light, Material, Part, Scene, Texture, Wrap};
 use std::f32::consts::{PI, TAU};
 
 /// A scene in the making: triangles by material.
@@ -18,7 +18,7 @@ struct Corner {
     uv: Vec2,
 }
 
-/// A white-free diffuse surface of albedo `rho`.
+/// A diffuse surface of albedo `rho` in all channels.
 pub fn diffuse(rho: f32) -> Material {
     Material {
         name: String::new(),
@@ -41,7 +41,9 @@ pub fn emitter(radiance: Vec3) -> Material {
 /// Which way a closed surface faces.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Facing {
+    /// Its front is inside.
     In,
+    /// Its front is outside.
     Out,
 }
 
@@ -57,6 +59,13 @@ impl Builder {
         let wrap = [Wrap::Repeat; 2];
         self.scene.textures.push(Texture { name: String::new(), width, height, rgba, wrap, nearest });
         self.scene.textures.len() as u32 - 1
+    }
+
+    /// A triangle, counter-clockwise seen from its front, its normal that of its plane (not a number where it has none).
+    pub fn triangle(&mut self, material: usize, corners: [Vec3; 3]) {
+        let [a, b, c] = corners;
+        let normal = (b - a).cross(c - a).normalize();
+        self.groups[material].1.push(corners.map(|position| Corner { position, normal, uv: Vec2::ZERO }));
     }
 
     /// A parallelogram from `corner` along `u` and `v`; its front is where u × v points.
@@ -117,10 +126,12 @@ impl Builder {
         }
     }
 
+    /// A punctual light.
     pub fn light(&mut self, light: Light) {
         self.scene.lights.push(light);
     }
 
+    /// What shines from outside.
     pub fn background(&mut self, background: Background) {
         self.scene.background = background;
     }

@@ -1,0 +1,36 @@
+//! `hemicube convergence --stability`: the suite's rows as a table.
+
+use super::ConvergenceArgs;
+use anyhow::{Context, Result};
+use hemicube::methods::captures::CaptureMode;
+use hemicube::report::progress::Progress;
+use hemicube::report::stability::{Bench, csv, markdown, run as run_suite};
+use std::fs;
+use std::process::ExitCode;
+
+/// Runs the suite and writes stability.csv and stability.md; exit code 1 if a row is out of bounds.
+pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
+    let folder = &args.output;
+    fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let device = args.device.open()?;
+    let name = format!("{} ({})", device.physical.name, device.physical.driver.trim());
+    let bench = Bench { device: device.clone(), capture: CaptureMode::Auto };
+    let stage = Progress::new(args.quiet).stage("groups", hemicube::report::stability::group_count());
+    let rows = run_suite(&bench, |group| {
+        for row in group.iter().filter(|row| !args.quiet || !row.holds()) {
+            let mark = if row.holds() { "" } else { ", OUT OF BOUNDS" };
+            let (error, tolerance) = (row.error(), row.tolerance());
+            eprintln!("{}: {}: error {error:.1e} of at most {tolerance:.1e}{mark}", row.case, row.quantity);
+        }
+        stage.advance(1);
+    })?;
+    for (file, text) in [("stability.csv", csv(&rows, &name)), ("stability.md", markdown(&rows, &name))] {
+        let path = folder.join(file);
+        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    let failed = rows.iter().filter(|row| !row.holds()).count();
+    if !args.quiet {
+        eprintln!("{}: {} rows, {failed} out of bounds", folder.display(), rows.len());
+    }
+    Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
