@@ -9,15 +9,14 @@
 # NAME.gltf and E_256x256.exr, whose layer b1 is the irradiance after one bounce. DIR gets a folder for each scene, with
 # points.csv, charts and index.html, and peers.csv with the points of the peers. What is there already is not run again.
 set -euo pipefail
-cd "$(dirname "$0")/../.."
-
 usage() { sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "$0"; }
 case ${1:-} in '' | -*) usage; exit 2 ;; esac
-out=$1
+out=$(realpath -m "$1")
 what=${2:-}
 case $what in '' | --readme | --try) ;; *) usage; exit 2 ;; esac
 scenes=${HEMICUBE_SCENES:-../shared/scenes}
 
+cd "$(dirname "$0")/../.."
 hemicube=${HEMICUBE:-target/release/hemicube}
 [ -n "${HEMICUBE:-}" ] || cargo build --release --quiet
 mkdir -p "$out"
