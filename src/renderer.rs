@@ -177,7 +177,12 @@ fn build_lights(
     cells: bool,
 ) -> Result<Vec<DirectLight>, VulkanError> {
     let needed = |set: &LightSet| cells || !set.cells_only;
-    sets.into_iter().filter(needed).map(|set| DirectLight::new(device, set, ground, pixels, cells)).collect()
+    let sets: Vec<_> = sets.into_iter().filter(needed).collect();
+    if sets.is_empty() {
+        return Ok(Vec::new());
+    }
+    let triangles = Arc::new(ground.geometry.linked_triangles(device, &ground.scene.positions)?);
+    sets.into_iter().map(|set| DirectLight::new(device, set, ground, &triangles, pixels, cells)).collect()
 }
 
 /// The scene with no side longer than a share of its diagonal.

@@ -9,6 +9,7 @@ use common::closed_forms::{crosses_box, element, over_square, parallelogram, poi
 use common::{Builder, against, assert_close, each_capture, look, look_parallel, picture, small};
 use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
 use hemicube::image::Picture;
+use hemicube::methods::captures::CaptureMode;
 use hemicube::renderer::Settings;
 use hemicube::scene::{
     Background, Camera, EnvironmentMap, Light, Material, Scene, TextureRef, cornell, load_from_slice,
@@ -443,6 +444,12 @@ fn dark_room(outside: &str) -> (Scene, Camera) {
             let direction = vec3(0.5, -1.0, 0.3).normalize();
             b.light(Light::Directional { direction, irradiance: Vec3::splat(1e6) });
         }
+        // The same wall twice, once for each of two rooms.
+        "room beside" => {
+            b.cuboid(grey, vec3(1.0, -1.0, -1.0), vec3(3.0, 1.0, 1.0), Facing::In);
+            b.light(Light::Point { position: vec3(2.0, 0.2, 0.1), intensity: Vec3::splat(1e6) });
+            return (b.build(), look(dvec3(-0.8, 0.4, 0.8), dvec3(1.0, -0.3, -0.2), 80.0));
+        }
         "lamp" => {
             let lamp = b.material(emitter(Vec3::splat(1e6)));
             b.ceiling(lamp, 1.5, 1.0);
@@ -452,37 +459,40 @@ fn dark_room(outside: &str) -> (Scene, Camera) {
     (b.build(), camera)
 }
 
-const OUTSIDES: [&str; 4] = ["sun", "lamp", "sky", "next room"];
-
-/// Shadows are as sharp as their texels: along edges that two walls share, a strip of a texel may see past them. What
-/// gets in that way stays below a hundredth of what shines outside, in the mean over the room.
+/// Not a single bit of 10⁶ outside: neither by direct light nor by what the surfaces of the room, none of which reaches out
+/// of it, send to each other.
 #[test]
-fn next_to_no_light_gets_through_a_thin_wall() {
-    for outside in OUTSIDES {
+fn no_light_gets_through_a_thin_wall() {
+    for outside in ["sun", "lamp", "sky", "room beside"] {
         let (scene, camera) = dark_room(outside);
-        let picture = picture(&scene, &camera, &small(96));
-        for layer in ["irradiance_direct", "irradiance"] {
-            let light = picture.rgb(layer).unwrap()[0];
-            let mean = light.iter().map(|e| f64::from(*e)).sum::<f64>() / light.len() as f64;
-            let lit = light.iter().filter(|e| **e != 0.0).count();
-            eprintln!("{outside}: {layer} {:.4} % of what is outside, in {lit} pixels", mean / 1e6 * 100.0);
-            assert!(mean / 1e6 < 0.01, "{outside}: {mean} of 10⁶ in {layer}");
+        for settings in each_capture(small(96)) {
+            let picture = picture(&scene, &camera, &settings);
+            for layer in ["irradiance_direct", "irradiance", ""] {
+                let light = picture.rgb(layer).unwrap();
+                let largest = light.iter().flat_map(|c| c.iter()).fold(0.0f32, |a, b| a.max(*b));
+                // Along the edge that two floors share, render passes interpolate the wall's depth and the far floor's
+                // to the same number: a texel may see the far one.
+                let rounding = outside == "room beside" && settings.cache.capture == CaptureMode::Hemicube;
+                let limit = if rounding && layer != "irradiance_direct" { 1e6 * 1e-3 } else { 0.0 };
+                assert!(largest <= limit, "{outside}: {largest} of 10⁶ in {layer:?}");
+            }
         }
     }
 }
 
-/// Not a single bit of 10⁶ outside.
+/// Where one floor goes on under the wall, direct light ends at the wall exactly. A surface cell that lies on both sides of
+/// it has one radiance for both, though, and shines into the dark room: below a hundredth of what is outside at cells of a
+/// twentieth of the room.
 #[test]
-#[ignore = "a shadow map's nearest texel sees past edges that walls share; exact zero needs an exact test there"]
-fn no_light_gets_through_a_thin_wall() {
-    for outside in OUTSIDES {
-        let (scene, camera) = dark_room(outside);
-        let picture = picture(&scene, &camera, &small(96));
-        for layer in ["irradiance_direct", "irradiance", ""] {
-            let light = picture.rgb(layer).unwrap().map(|c| c.iter().filter(|v| **v != 0.0).count());
-            assert_eq!(light, [0; 3], "{outside}: pixels with light in {layer:?}");
-        }
-    }
+fn next_to_no_light_gets_along_a_floor_under_a_thin_wall() {
+    let (scene, camera) = dark_room("next room");
+    let picture = picture(&scene, &camera, &small(96));
+    let direct = picture.rgb("irradiance_direct").unwrap()[0].iter().filter(|e| **e != 0.0).count();
+    assert_eq!(direct, 0, "pixels with direct light");
+    let light = picture.rgb("irradiance").unwrap()[0];
+    let mean = light.iter().map(|e| f64::from(*e)).sum::<f64>() / light.len() as f64;
+    eprintln!("next room: {:.4} % of what is outside", mean / 1e6 * 100.0);
+    assert!(mean / 1e6 < 0.005, "{mean} of 10⁶");
 }
 
 /// The other side of the wall is lit everywhere.

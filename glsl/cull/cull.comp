@@ -30,12 +30,9 @@ bool sees(uint view, Frame frame, vec4 sphere) {
         return abs(l.x) - r <= 1.0 / frame.tangent.w && abs(l.y) - r <= 1.0 / frame.bitangent.w;
     if (VIEWS == VIEWS_HEMISPHERE) return l.z >= -r;
     vec3 f = face_coordinates(view, l);
-    if (VIEWS == VIEWS_PLANE) {
-        vec2 k = 1.0 / vec2(frame.tangent.w, frame.bitangent.w);
-        return all(greaterThanEqual(f.zz * k - abs(f.xy), -r * sqrt(1.0 + k * k)));
-    }
     if (VIEWS == VIEWS_HEMICUBE && view > 0 && f.y < -r) return false;
-    return f.z - max(abs(f.x), abs(f.y)) >= -1.41421357 * r;
+    vec2 k = 1.0 / vec2(frame.tangent.w, frame.bitangent.w);
+    return all(greaterThanEqual(f.zz * k - abs(f.xy), -r * sqrt(1.0 + k * k)));
 }
 
 void main() {

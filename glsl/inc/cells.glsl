@@ -2,13 +2,7 @@
 // its front and to its back. Cells of a triangle start at first_cell[triangle]; row i (from vertex 0 towards vertex 1)
 // has 2(r − i) − 1 cells. Wants `first_cell`, `cell_radiance`, `positions` and `indices`.
 
-vec3 position_of(uint vertex) {
-    return vec3(positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]);
-}
-
-uvec3 corners_of(uint triangle) {
-    return uvec3(indices[3 * triangle], indices[3 * triangle + 1], indices[3 * triangle + 2]);
-}
+#include "inc/triangles.glsl"
 
 uint cell_resolution(uint cells) { return uint(sqrt(float(cells)) + 0.5); }
 

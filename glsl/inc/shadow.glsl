@@ -1,40 +1,156 @@
-// Is a surface point lit by a light sample? Looks the sample's depth tile up at the nearest texel and compares it there
-// with the depth of the surface's *tangent plane* through the texel's centre, which is what the rasteriser stored if the
-// plane itself is what the light sees: a flat surface shadows itself nowhere, whatever the slope, and nothing is pushed
-// off its place. Wants `frames`, `shadow_depth`, and the constants SHADOW_VIEWS, SHADOW_SIZE, SHADOW_COLUMNS.
+// Is a surface point lit by a light sample? Two steps, for the second one is needed at few points and costs more:
+//
+// `shadow_at` looks at the four texels about the point. Where all show the surface's *tangent plane* or what lies behind
+// it, the point is lit; where all show what stands clearly before it, it is dark; else it is close to an edge.
+//
+// `is_lit` decides there, and exactly: the map only says where to look. The triangles that it shows at these texels are tested against the segment from the point to the light, and so are the triangles that lie between
+// them and the point on the same surface, edge by edge. Shadows end where the geometry ends, whatever the size of a texel,
+// and what is closed is dark inside.
+//
+// Wants `frames`, `shadow_depth`, `shadow_identity`, `triangles`, and the constants SHADOW_VIEWS, SHADOW_SIZE,
+// SHADOW_COLUMNS, SHADOW_ROWS, SHADOW_OPAQUE.
 
-// Relative slack: depth rounding, and neighbours of a curved surface that stand over its tangent plane.
+// Relative depth by which the map tells two surfaces apart: its rounding.
+const float SHADOW_GRAIN = 1e-4;
+// The same where the map alone decides: neighbours of a curved surface stand over its tangent plane.
 const float SHADOW_SLACK = 2e-3;
+// Triangles that are tested for a point, at most.
+const uint SHADOW_STEPS = 32;
+// Triangles in a row of their image.
+const uint SHADOW_ROW = 1024;
 
-bool is_lit(uint tile, vec3 p, vec3 n) {
+const bool SHADOW_PARALLEL = SHADOW_VIEWS == VIEWS_ORTHOGRAPHIC;
+const uint NO_TRIANGLE = 0xffffffffu;
+
+const uint LIT = 0, DARK = 1, CLOSE = 2;
+
+// A point's place in a sample's tile: the corner of four texels that is nearest to it, in the image of all tiles, and the
+// tangent plane's depth there, which is linear over the image.
+struct ShadowPlace {
+    ivec3 corner;
+    bool outside;
+    vec2 texel;      // of the point, from the corner
+    float here;      // depth of the point
+    float plane;     // of the tangent plane at the corner
+    vec2 step_;      // its change from texel to texel
+    float grain;     // what the map cannot tell apart
+    float slack;
+    float furthest;  // a grazing plane may meet a texel's ray far off: never nearer to the light than this
+    vec3 toward;     // to the light: all the way, or a direction
+};
+
+ShadowPlace shadow_place(uint tile, vec3 p, vec3 n) {
     Frame frame = frames[tile];
+    ShadowPlace s;
     vec3 l = to_local(frame, p - frame.origin.xyz);
-    vec3 nl = to_local(frame, n);
     uint view = SHADOW_VIEWS == VIEWS_HEMICUBE || SHADOW_VIEWS == VIEWS_CUBE ? face_of(l) : 0;
-    bool parallel = SHADOW_VIEWS == VIEWS_ORTHOGRAPHIC;
     vec3 f = face_coordinates(view, l);
-    vec2 scale = SHADOW_VIEWS >= VIEWS_PLANE ? vec2(frame.tangent.w, frame.bitangent.w) : vec2(1.0);
-    vec2 ndc = f.xy * scale / (parallel ? 1.0 : f.z);
-    if (any(greaterThan(abs(ndc), vec2(1.0))) || (!parallel && f.z <= 0.0)) return true;
+    vec3 nf = face_coordinates(view, to_local(frame, n));
+    vec2 scale = vec2(frame.tangent.w, frame.bitangent.w);
+    vec2 ndc = f.xy * scale / (SHADOW_PARALLEL ? 1.0 : f.z);
+    s.outside = any(greaterThan(abs(ndc), vec2(1.0))) || (!SHADOW_PARALLEL && f.z <= 0.0);
 
-    vec2 texel = clamp((vec2(ndc.x, -ndc.y) * 0.5 + 0.5) * float(SHADOW_SIZE), vec2(0.0), vec2(float(SHADOW_SIZE) - 1.0));
-    ivec2 at = ivec2(texel);
-    vec2 centre = ((vec2(at) + 0.5) / float(SHADOW_SIZE) * 2.0 - 1.0) * vec2(1.0, -1.0) / scale;
-    ivec2 tile_origin = ivec2(tile % SHADOW_COLUMNS, tile / SHADOW_COLUMNS) * int(SHADOW_SIZE);
-    float stored = texelFetch(shadow_depth, ivec3(tile_origin + at, int(view)), 0).x;
+    vec2 texel = (vec2(ndc.x, -ndc.y) * 0.5 + 0.5) * float(SHADOW_SIZE);
+    vec2 corner = clamp(floor(texel + 0.5), vec2(2.0), vec2(float(SHADOW_SIZE) - 2.0));
+    s.texel = texel - corner;
+    s.corner = ivec3(ivec2(tile % SHADOW_COLUMNS, tile / SHADOW_COLUMNS) * int(SHADOW_SIZE) + ivec2(corner), int(view));
+    // n·(t·(x, y, 1) − p) = 0 gives 1/t, or n·(q − p) = 0 with q = (x, y, z) gives z: both linear in x and y.
+    float unit = SHADOW_PARALLEL ? frame.normal.w : frame.origin.w;
+    float facing = SHADOW_PARALLEL ? nf.z : dot(nf, f);
+    facing = abs(facing) > 1e-20 ? facing : 1e-20;
+    s.here = SHADOW_PARALLEL ? 1.0 - f.z * unit : unit / f.z;
+    s.step_ = nf.xy * (unit / facing) * vec2(2.0, -2.0) / (float(SHADOW_SIZE) * scale);
+    s.plane = s.here - dot(s.step_, s.texel);
+    s.grain = SHADOW_GRAIN * (SHADOW_PARALLEL ? 0.1 : s.here);
+    s.slack = SHADOW_SLACK * (SHADOW_PARALLEL ? 0.25 * unit / frame.tangent.w : s.here);
+    s.furthest = s.here + (SHADOW_PARALLEL ? 16.0 * unit / (frame.tangent.w * float(SHADOW_SIZE)) : s.here);
+    s.toward = SHADOW_PARALLEL ? -frame.normal.xyz : frame.origin.xyz - p;
+    return s;
+}
 
-    vec3 nf = face_coordinates(view, nl);
-    if (parallel) {
-        // n·(q − p) = 0 with q = (centre, z).
-        float z = abs(nf.z) > 1e-4 ? f.z - dot(nf.xy, centre - f.xy) / nf.z : f.z;
-        z = clamp(z, f.z - 16.0 / (frame.tangent.w * SHADOW_SIZE), f.z);
-        float slack = SHADOW_SLACK / frame.tangent.w * 0.25;
-        return 1.0 - (z - slack) * frame.normal.w >= stored;
+// Depths of the four texels about a corner, and of the tangent plane there.
+vec4 shadow_depths(ivec3 corner) {
+    const vec2 texel = 1.0 / vec2(SHADOW_COLUMNS * SHADOW_SIZE, SHADOW_ROWS * SHADOW_SIZE);
+    return textureGather(shadow_depth, vec3(vec2(corner.xy) * texel, float(corner.z)));
+}
+
+// Where the four lie, in the order of a gather, from the corner.
+const vec4 GATHERED_X = vec4(-0.5, 0.5, 0.5, -0.5), GATHERED_Y = vec4(0.5, 0.5, -0.5, -0.5);
+
+vec4 plane_depths(ShadowPlace s) {
+    return s.plane + s.step_.x * GATHERED_X + s.step_.y * GATHERED_Y;
+}
+
+bvec4 clearly_before(ShadowPlace s, vec4 stored, vec4 plane) {
+    return greaterThan(stored, clamp(plane, vec4(s.here), vec4(s.furthest)) + s.slack);
+}
+
+uint shadow_at(uint tile, vec3 p, vec3 n) {
+    ShadowPlace s = shadow_place(tile, p, n);
+    vec4 stored = shadow_depths(s.corner), plane = plane_depths(s);
+    bool lit = s.outside || all(lessThanEqual(stored, plane + s.grain));
+    return lit ? LIT : all(clearly_before(s, stored, plane)) ? DARK : CLOSE;
+}
+
+uint identity_at(ivec3 texel) { return (texelFetch(shadow_identity, texel, 0).x & 0x7fffffffu) - 1; }
+
+// Six times the volumes that the ray from the origin along `d` spans with the edges of a triangle. Two triangles that
+// share an edge have exactly opposite volumes there, so that no ray passes between them (Woop, Benthin and Wald 2013).
+vec3 edge_volumes(vec3 d, vec3 a, vec3 b, vec3 c) {
+    precise vec3 bc = vec3(b.y * c.z - b.z * c.y, b.z * c.x - b.x * c.z, b.x * c.y - b.y * c.x);
+    precise vec3 ca = vec3(c.y * a.z - c.z * a.y, c.z * a.x - c.x * a.z, c.x * a.y - c.y * a.x);
+    precise vec3 ab = vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+    precise vec3 v = vec3(d.x * bc.x + d.y * bc.y + d.z * bc.z, d.x * ca.x + d.y * ca.y + d.z * ca.z,
+                          d.x * ab.x + d.y * ab.y + d.z * ab.z);
+    return v;
+}
+
+// What a triangle does to the segment from p to p + toward: LIT or DARK where the ray meets it, else CLOSE and, in `next`,
+// the triangle across the edge that the ray is beyond; NO_TRIANGLE at the surface's border or fold. `from`: whence it came.
+uint meet(uint triangle, uint from, vec3 p, vec3 toward, out uint next) {
+    ivec2 at = ivec2(triangle % SHADOW_ROW, triangle / SHADOW_ROW) * ivec2(3, 1);
+    uvec4 first = texelFetch(triangles, at, 0), second = texelFetch(triangles, at + ivec2(1, 0), 0),
+          third = texelFetch(triangles, at + ivec2(2, 0), 0);
+    vec3 a = uintBitsToFloat(first.xyz) - p, b = uintBitsToFloat(second.xyz) - p, c = uintBitsToFloat(third.xyz) - p;
+    vec3 v = edge_volumes(toward, a, b, c);
+    float all_ = v.x + v.y + v.z, height = dot(a, cross(b, c));
+    bvec3 beyond = all_ > 0.0 ? lessThan(v, vec3(0.0)) : greaterThan(v, vec3(0.0));
+    uvec3 across = uvec3(first.w, second.w, third.w);
+    next = beyond.x ? across.x : NO_TRIANGLE;
+    if (beyond.y && across.y != NO_TRIANGLE) next = across.y;
+    if (beyond.z && across.z != NO_TRIANGLE) next = across.z;
+    bool folds = from != NO_TRIANGLE && any(equal(mix(uvec3(NO_TRIANGLE), across, beyond), uvec3(from)));
+    if (folds || next >= SHADOW_OPAQUE) next = NO_TRIANGLE;
+    // The ray is at the plane at height/all_: behind the point or beyond the light nothing is in the way.
+    bool before = all_ > 0.0 ? height > 0.0 : height < 0.0;
+    return any(beyond) ? CLOSE : before && (SHADOW_PARALLEL || abs(height) < abs(all_)) ? DARK : LIT;
+}
+
+// Decides where `shadow_at` cannot. `own`: the triangle that p lies on, if it is known, else NO_TRIANGLE.
+bool is_lit(uint tile, uint own, vec3 p, vec3 n) {
+    ShadowPlace s = shadow_place(tile, p, n);
+    vec4 stored = shadow_depths(s.corner), plane = plane_depths(s);
+    bvec4 before = greaterThan(stored, plane + s.grain), clear = clearly_before(s, stored, plane);
+    uvec4 seen = uvec4(identity_at(s.corner + ivec3(-1, 0, 0)), identity_at(s.corner),
+                       identity_at(s.corner + ivec3(0, -1, 0)), identity_at(s.corner + ivec3(-1, -1, 0)));
+    // What an alpha mask lets through, and what is too far to walk to, only the map knows: its nearest texel.
+    uint nearest = s.texel.y < 0.0 ? (s.texel.x < 0.0 ? 3 : 2) : (s.texel.x < 0.0 ? 0 : 1);
+    bool by_map = clear[nearest], masked = seen[nearest] >= SHADOW_OPAQUE;
+    seen = mix(uvec4(NO_TRIANGLE), seen, before);
+    uint start = NO_TRIANGLE, triangle = NO_TRIANGLE, from = NO_TRIANGLE, found = masked && by_map ? DARK : LIT;
+    // One loop over what is seen and the walks from there: a step each.
+    for (uint step_ = 0; step_ < SHADOW_STEPS && found != DARK; ++step_) {
+        if (triangle == NO_TRIANGLE) {
+            seen = mix(seen, uvec4(NO_TRIANGLE), bvec4(equal(seen, uvec4(start))));
+            start = min(min(seen.x, seen.y), min(seen.z, seen.w));
+            if (start >= SHADOW_OPAQUE) break;
+            triangle = start;
+            from = NO_TRIANGLE;
+        }
+        uint next;
+        found = triangle == own ? LIT : meet(triangle, from, p, s.toward, next);
+        from = triangle;
+        triangle = found == CLOSE ? next : NO_TRIANGLE;
     }
-    // n·(t·(centre, 1) − p) = 0.
-    float towards = dot(nf, vec3(centre, 1.0));
-    float z = dot(nf, f) / (abs(towards) > 1e-6 ? towards : 1e-6);
-    // A grazing plane may meet the texel's ray far off: never further than half the distance, nor behind the point.
-    z = clamp(z, 0.5 * f.z, f.z);
-    return frame.origin.w / (z * (1.0 - SHADOW_SLACK)) >= stored;
+    return found != DARK && (triangle == NO_TRIANGLE || !by_map);
 }

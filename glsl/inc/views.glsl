@@ -58,6 +58,6 @@ vec4 project(uint views, uint view, Frame frame, vec3 p) {
     // the horizon keeps its azimuth.
     if (views == VIEWS_HEMISPHERE) return vec4(l.x, -l.y, frame.origin.w, length(l));
     vec3 f = face_coordinates(view, l);
-    if (views == VIEWS_PLANE) f.xy *= vec2(frame.tangent.w, frame.bitangent.w);
+    f.xy *= vec2(frame.tangent.w, frame.bitangent.w);
     return vec4(f.x, -f.y, frame.origin.w, f.z);
 }

@@ -11,15 +11,19 @@ layout(constant_id = 0) const uint LIGHT_KIND = 0;
 layout(constant_id = 1) const uint SHADOW_VIEWS = 0;
 layout(constant_id = 2) const uint SHADOW_SIZE = 256;
 layout(constant_id = 3) const uint SHADOW_COLUMNS = 1;
-layout(constant_id = 4) const uint HAS_FACES = 0;  // the samples of each emissive triangle stand together
+layout(constant_id = 4) const uint SHADOW_ROWS = 1;
+layout(constant_id = 5) const uint SHADOW_OPAQUE = 0;
+layout(constant_id = 6) const uint HAS_FACES = 0;  // the samples of each emissive triangle stand together
 
 layout(set = 0, binding = 0, std430) readonly buffer Lights { LightSample lights[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Frames { Frame frames[]; };
-layout(set = 0, binding = 2) uniform texture2DArray shadow_depth;
-layout(set = 0, binding = 3) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 4) uniform utexture2D gbuffer_normals;
-layout(set = 0, binding = 5, std430) buffer Direct { vec4 direct[]; };
-layout(set = 0, binding = 6, std430) readonly buffer Faces { EmitterFace faces[]; };
+layout(set = 0, binding = 2) uniform sampler2DArray shadow_depth;
+layout(set = 0, binding = 3) uniform utexture2DArray shadow_identity;
+layout(set = 0, binding = 4) uniform utexture2D triangles;
+layout(set = 0, binding = 5) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 6) uniform utexture2D gbuffer_normals;
+layout(set = 0, binding = 7, std430) buffer Direct { vec4 direct[]; };
+layout(set = 0, binding = 8, std430) readonly buffer Faces { EmitterFace faces[]; };
 layout(push_constant) uniform Push { uint width; uint height; uint count; float lift; } push;  // count: of faces or samples
 
 #include "inc/light.glsl"
@@ -28,15 +32,40 @@ layout(push_constant) uniform Push { uint width; uint height; uint count; float 
 
 struct Receiver { vec3 position; vec3 normal; vec3 geometric; };
 
-bool reaches(uint l, Receiver at, vec3 direction) {
-    return dot(at.geometric, direction) > 0.0 && is_lit(l, at.position + at.geometric * push.lift, at.geometric);
+// Irradiance by a sample before its shadow, and by the same sample of radiance 1.
+struct Unshadowed { vec3 irradiance; float unit; };
+
+Unshadowed sample_light(uint l, Receiver at) {
+    // Power is radiance times area, and the area π times the disc's radius squared.
+    float area = HAS_FACES != 0 ? PI * lights[l].position.w : 1.0;
+    Arriving light = HAS_FACES != 0 ? light_from_disc(lights[l], at.position, vec3(area))
+                                    : light_arriving(lights[l], at.position);
+    float unit = light.irradiance.x * max(dot(at.normal, light.direction), 0.0);
+    vec3 irradiance = HAS_FACES != 0 ? unit * lights[l].power.rgb / area
+                                     : light.irradiance * max(dot(at.normal, light.direction), 0.0);
+    return Unshadowed(dot(at.geometric, light.direction) > 0.0 ? irradiance : vec3(0.0), unit);
 }
 
-vec3 sample_light(uint l, Receiver at) {
-    Arriving light = light_arriving(lights[l], at.position);
-    float cosine = dot(at.normal, light.direction);
-    bool dark = cosine <= 0.0 || !any(greaterThan(light.irradiance, vec3(0.0)));
-    return dark || !reaches(l, at, light.direction) ? vec3(0.0) : light.irradiance * cosine;
+// Sum over the samples from `first` to `end`; `open`: over samples of radiance 1 without shadows.
+vec3 samples_light(uint first, uint end, Receiver at, out float open) {
+    vec3 lifted = at.position + at.geometric * push.lift, sum = vec3(0.0);
+    open = 0.0;
+    for (; first < end; first += 32) {
+        uint close = 0, count = min(32, end - first);
+        for (uint i = 0; i < count; ++i) {
+            Unshadowed light = sample_light(first + i, at);
+            open += light.unit;
+            if (light.irradiance == vec3(0.0)) continue;
+            uint shadow = shadow_at(first + i, lifted, at.geometric);
+            if (shadow == LIT) sum += light.irradiance;
+            if (shadow == CLOSE) close |= 1u << i;
+        }
+        for (; close != 0; close &= close - 1) {
+            uint l = first + findLSB(close);
+            if (is_lit(l, NO_TRIANGLE, lifted, at.geometric)) sum += sample_light(l, at).irradiance;
+        }
+    }
+    return sum;
 }
 
 // Below this angle of the triangle's longest side, squared, its samples are as good as its outline.
@@ -47,17 +76,9 @@ const float SMALL = 1e-5;
 vec3 face_light(EmitterFace face, Receiver at) {
     vec3 a = face.a.xyz - at.position, b = face.b.xyz - at.position, c = face.c.xyz - at.position;
     if (dot(cross(b - a, c - a), a) >= 0.0) return vec3(0.0);  // behind it
-    vec3 lit = vec3(0.0);
-    float open = 0.0;
-    uint first = floatBitsToUint(face.b.w), end = first + floatBitsToUint(face.c.w);
-    for (uint l = first; l < end; ++l) {
-        // Irradiance for radiance 1: power is radiance times area, and the area π times the disc's radius squared.
-        float area = PI * lights[l].position.w;
-        Arriving light = light_from_disc(lights[l], at.position, vec3(area));
-        float unit = light.irradiance.x * max(dot(at.normal, light.direction), 0.0);
-        open += unit;
-        if (unit > 0.0 && reaches(l, at, light.direction)) lit += unit * lights[l].power.rgb / area;
-    }
+    float open;
+    uint first = floatBitsToUint(face.b.w);
+    vec3 lit = samples_light(first, first + floatBitsToUint(face.c.w), at, open);
     float nearest = min(dot(a, a), min(dot(b, b), dot(c, c)));
     float longest = max(dot(b - a, b - a), max(dot(c - b, c - b), dot(a - c, a - c)));
     if (longest < SMALL * nearest || open <= 0.0) return lit;
@@ -73,8 +94,10 @@ void main() {
     uvec2 codes = texelFetch(gbuffer_normals, xy, 0).xy;
     Receiver at = Receiver(surface.xyz, oct_decode(codes.x), oct_decode(codes.y));
     vec3 sum = vec3(0.0);
-    for (uint i = 0; i < push.count; ++i) {
-        sum += HAS_FACES != 0 ? face_light(faces[i], at) : sample_light(i, at);
+    float open;
+    if (HAS_FACES == 0) sum = samples_light(0, push.count, at, open);
+    for (uint i = 0; i < HAS_FACES * push.count; ++i) {
+        sum += face_light(faces[i], at);
     }
     direct[pixel] += vec4(sum, 0.0);
 }

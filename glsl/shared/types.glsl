@@ -5,7 +5,7 @@ const float PI = 3.14159265358979;
 // A place to look from: an orthonormal frame, the near distance and the plane below which nothing is seen.
 struct Frame {
     vec4 origin;     // xyz; w: near distance
-    vec4 tangent;    // xyz; w: 1/tan(half aperture) for a plane, 1/half width for an orthographic view
+    vec4 tangent;    // xyz; w: 1/tan(half aperture), 1/half width for an orthographic view
     vec4 bitangent;  // xyz; w: the same along the other axis
     vec4 normal;     // xyz: axis; w: 1/depth range of an orthographic view
     vec4 horizon;    // plane (n, -n·origin): only points with a positive distance are seen; (0, 0, 0, 1) sees all

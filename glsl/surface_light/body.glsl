@@ -17,13 +17,17 @@ layout(constant_id = 8) const uint LIGHT_KIND = 0;
 layout(constant_id = 9) const uint SHADOW_VIEWS = 0;
 layout(constant_id = 10) const uint SHADOW_SIZE = 256;
 layout(constant_id = 11) const uint SHADOW_COLUMNS = 1;
+layout(constant_id = 12) const uint SHADOW_ROWS = 1;
+layout(constant_id = 13) const uint SHADOW_OPAQUE = 0;
 
 layout(set = LIGHT_SET, binding = 0, std430) readonly buffer Lights { LightSample lights[]; };
 layout(set = LIGHT_SET, binding = 1, std430) readonly buffer Frames { Frame frames[]; };
-layout(set = LIGHT_SET, binding = 2) uniform texture2DArray shadow_depth;
-layout(set = LIGHT_SET, binding = 3, std430) readonly buffer FirstCell { uint first_cell[]; };
-layout(set = LIGHT_SET, binding = 4, std430) readonly buffer CellTriangle { uint cell_triangle[]; };
-layout(set = LIGHT_SET, binding = 5, std430) buffer CellRadiance { float cell_radiance[]; };
+layout(set = LIGHT_SET, binding = 2) uniform sampler2DArray shadow_depth;
+layout(set = LIGHT_SET, binding = 3) uniform utexture2DArray shadow_identity;
+layout(set = LIGHT_SET, binding = 4) uniform utexture2D triangles;
+layout(set = LIGHT_SET, binding = 5, std430) readonly buffer FirstCell { uint first_cell[]; };
+layout(set = LIGHT_SET, binding = 6, std430) readonly buffer CellTriangle { uint cell_triangle[]; };
+layout(set = LIGHT_SET, binding = 7, std430) buffer CellRadiance { float cell_radiance[]; };
 layout(push_constant) uniform Push {
     uint material;
     uint first;        // cell
@@ -45,39 +49,85 @@ vec2 point_in_cell(uint cell, uint s) {
     return p.x + p.y > 1.0 ? 1.0 - p : p;
 }
 
+struct Corners { vec3 p0, e1, e2; vec3 geometric; vec3 normals[3]; vec2 uv0[3], uv1[3]; vec4 colors[3], tangents[3]; };
+
+Corners corners_at(uint triangle) {
+    uvec3 c = corners_of(triangle);
+    Corners t;
+    t.p0 = position_of(c.x);
+    t.e1 = position_of(c.y) - t.p0;
+    t.e2 = position_of(c.z) - t.p0;
+    t.geometric = normalize(cross(t.e1, t.e2));
+    for (int i = 0; i < 3; ++i) {
+        t.normals[i] = oct_decode(normals[c[i]]);
+        t.uv0[i] = uv0_of(c[i]);
+        t.uv1[i] = uv1_of(c[i]);
+        t.colors[i] = color_of(c[i]);
+        t.tangents[i] = tangent_of(c[i]);
+    }
+    return t;
+}
+
+// A point of a cell and what one light sample sends to it, before its shadow.
+struct Sample { uint light; vec2 uv; vec3 lifted; vec3 direction; vec3 irradiance; float side; };
+
+Sample sample_at(uint index, Corners t, uint r, uint cell, uint first) {
+    Sample s;
+    s.light = index / push.points;
+    s.uv = cell_point(r, cell - first, point_in_cell(cell, push.first_light * push.points + index));
+    vec3 p = t.p0 + s.uv.x * t.e1 + s.uv.y * t.e2;
+    Arriving light = light_arriving(lights[s.light], p);
+    s.side = dot(t.geometric, light.direction);
+    s.lifted = p + t.geometric * (s.side >= 0.0 ? push.lift : -push.lift);
+    s.direction = light.direction;
+    s.irradiance = light.irradiance;
+    return s;
+}
+
+Surface surface_of(Corners t, Material material, vec2 uv) {
+    vec3 b = vec3(1.0 - uv.x - uv.y, uv);
+    vec3 normal = b.x * t.normals[0] + b.y * t.normals[1] + b.z * t.normals[2];
+    float length2 = dot(normal, normal);
+    normal = length2 > 1e-12 ? normal * inversesqrt(length2) : t.geometric;
+    Surface surface = surface_at(material, b.x * t.uv0[0] + b.y * t.uv0[1] + b.z * t.uv0[2],
+        b.x * t.uv1[0] + b.y * t.uv1[1] + b.z * t.uv1[2], b.x * t.colors[0] + b.y * t.colors[1] + b.z * t.colors[2],
+        normal, b.x * t.tangents[0] + b.y * t.tangents[1] + b.z * t.tangents[2]);
+    if (dot(surface.normal, t.geometric) < 0.0) surface.normal = -surface.normal;
+    return surface;
+}
+
 void main() {
     uint at = invocation();
     if (at >= push.count) return;
     uint cell = push.first + at;
     uint triangle = cell_triangle[cell];
     uint first = first_cell[triangle], r = cell_resolution(first_cell[triangle + 1] - first);
-    uvec3 c = corners_of(triangle);
-    vec3 p0 = position_of(c.x), e1 = position_of(c.y) - p0, e2 = position_of(c.z) - p0;
-    vec3 geometric = normalize(cross(e1, e2));
+    Corners corners = corners_at(triangle);
     Material material = materials[push.material];
 
     vec3 front = vec3(0.0), back = vec3(0.0);
-    for (uint l = 0; l < push.light_count; ++l) {
-        for (uint s = 0; s < push.points; ++s) {
-            vec2 uv = cell_point(r, cell - first, point_in_cell(cell, (push.first_light + l) * push.points + s));
-            vec3 p = p0 + uv.x * e1 + uv.y * e2;
-            Arriving light = light_arriving(lights[l], p);
-            float side = dot(geometric, light.direction);
-            vec3 lifted = p + geometric * (side >= 0.0 ? push.lift : -push.lift);
-            if (!any(greaterThan(light.irradiance, vec3(0.0))) || !is_lit(l, lifted, geometric)) continue;
-            vec3 b = vec3(1.0 - uv.x - uv.y, uv);
-            vec3 normal = b.x * oct_decode(normals[c.x]) + b.y * oct_decode(normals[c.y]) + b.z * oct_decode(normals[c.z]);
-            float length2 = dot(normal, normal);
-            normal = length2 > 1e-12 ? normal * inversesqrt(length2) : geometric;
-            Surface surface = surface_at(material,
-                b.x * uv0_of(c.x) + b.y * uv0_of(c.y) + b.z * uv0_of(c.z),
-                b.x * uv1_of(c.x) + b.y * uv1_of(c.y) + b.z * uv1_of(c.z),
-                b.x * color_of(c.x) + b.y * color_of(c.y) + b.z * color_of(c.z), normal,
-                b.x * tangent_of(c.x) + b.y * tangent_of(c.y) + b.z * tangent_of(c.z));
-            if (dot(surface.normal, geometric) < 0.0) surface.normal = -surface.normal;
-            vec3 leaving = surface.albedo.rgb * light.irradiance / (PI * float(push.points));
-            float cosine = dot(surface.normal, light.direction);
-            if (side > 0.0) front += leaving * max(cosine, 0.0);
+    uint samples = push.light_count * push.points;
+    for (uint start = 0; start < samples; start += 32) {
+        // Of up to 32 pairs of light sample and point: which are lit, which too close to an edge to tell so quickly.
+        uint lit = 0, close = 0, end = min(32, samples - start);
+        for (uint i = 0; i < end; ++i) {
+            Sample s = sample_at(start + i, corners, r, cell, first);
+            if (!any(greaterThan(s.irradiance, vec3(0.0)))) continue;
+            uint shadow = shadow_at(s.light, s.lifted, corners.geometric);
+            if (shadow == LIT) lit |= 1u << i;
+            if (shadow == CLOSE) close |= 1u << i;
+        }
+        for (; close != 0; close &= close - 1) {
+            uint i = findLSB(close);
+            Sample s = sample_at(start + i, corners, r, cell, first);
+            if (is_lit(s.light, triangle, s.lifted, corners.geometric)) lit |= 1u << i;
+        }
+        for (; lit != 0; lit &= lit - 1) {
+            Sample s = sample_at(start + findLSB(lit), corners, r, cell, first);
+            Surface surface = surface_of(corners, material, s.uv);
+            vec3 leaving = surface.albedo.rgb * s.irradiance / (PI * float(push.points));
+            float cosine = dot(surface.normal, s.direction);
+            if (s.side > 0.0) front += leaving * max(cosine, 0.0);
             else back += leaving * max(-cosine, 0.0);
         }
     }

@@ -1,5 +1,6 @@
 //! Pure functions: measures, gradients, bounds. No I/O, no GPU; each integrating shader has its twin here.
 
+pub mod adjacency;
 pub mod capture;
 pub mod form_factor;
 pub mod sampling;

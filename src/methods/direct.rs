@@ -6,13 +6,14 @@ pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooMa
 use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;
+use crate::passes::shadow::Shadow;
 use crate::passes::surface_light::{Batch, SurfaceLight};
 use crate::vk::gpu_types::{EmitterFace, LightSample};
 use crate::vk::pass::Recorder;
-use crate::vk::{Buffer, Device, Memory, Result};
+use crate::vk::{Buffer, Device, Image, Memory, Result, Sampler};
 use std::sync::Arc;
 
-/// Bytes of shadow depth that are held at once.
+/// Bytes of shadow tiles, depth and identity, that are held at once.
 const SHADOW_BUDGET: u64 = 128 << 20;
 /// Fewest points of a cell that a light is evaluated at, over all its samples.
 const POINTS_IN_CELL: u32 = 16;
@@ -23,6 +24,8 @@ pub struct DirectLight {
     shadow: Capture,
     lights: Buffer,
     faces: Option<Buffer>,
+    _triangles: Arc<Image>,
+    _sampler: Sampler,
     surface: Option<SurfaceLight>,
     pixel: Option<PixelLight>,
     lift: f32,
@@ -31,23 +34,25 @@ pub struct DirectLight {
 impl DirectLight {
     /// Builds the passes that `set` needs.
     ///
-    /// `pixels` are the visible surfaces and the buffer of their direct irradiance, four floats a pixel; `cells` says
+    /// `triangles`: as `Geometry::linked_triangles` makes them; `pixels` are the visible surfaces and the buffer of their
+    /// direct irradiance, four floats a pixel; `cells` says
     /// whether captures will read the surface cells.
     pub fn new(
         device: &Arc<Device>,
         set: LightSet,
         ground: &Ground<'_>,
+        triangles: &Arc<Image>,
         pixels: Option<(&Targets, &Buffer)>,
         cells: bool,
     ) -> Result<Self> {
-        let tile = u64::from(set.shadow_size).pow(2) * u64::from(set.views.count()) * 4;
+        let tile = u64::from(set.shadow_size).pow(2) * u64::from(set.views.count()) * 8;
         let capacity = (SHADOW_BUDGET / tile).clamp(1, set.samples.len() as u64) as u32;
         let desc = CaptureDesc {
             name: "shadow",
             views: set.views,
             size: set.shadow_size,
             capacity,
-            identity: false,
+            identity: true,
             culled: pays_to_cull(device, ground.geometry.triangle_count),
         };
         let Ground { scene, geometry, textures } = *ground;
@@ -59,13 +64,22 @@ impl DirectLight {
         let pixels = pixels.filter(|_| !set.cells_only);
         let has_faces = pixels.is_some() && !set.faces.is_empty();
         let faces = has_faces.then(|| Buffer::new(device, "light samples", bytes, Memory::Device)).transpose()?;
-        let kind = (set.kind, &shadow);
-        let surface = cells.then(|| SurfaceLight::new(device, scene, geometry, textures, kind, &lights)).transpose()?;
+        let sampler = Sampler::new(device, [ash::vk::SamplerAddressMode::CLAMP_TO_EDGE; 2], true)?;
+        let shadows = Shadow {
+            kind: set.kind,
+            capture: &shadow,
+            lights: &lights,
+            sampler: &sampler,
+            triangles,
+            opaque: geometry.opaque_count(),
+        };
+        let surface = cells.then(|| SurfaceLight::new(device, scene, geometry, textures, &shadows)).transpose()?;
         let pixel = pixels
-            .map(|(gbuffer, direct)| PixelLight::new(device, gbuffer, kind, (&lights, faces.as_ref()), direct))
+            .map(|(gbuffer, direct)| PixelLight::new(device, gbuffer, &shadows, faces.as_ref(), direct))
             .transpose()?;
         let lift = geometry.radius * 1e-6;
-        Ok(Self { set, shadow, lights, faces, surface, pixel, lift })
+        let (_triangles, _sampler) = (triangles.clone(), sampler);
+        Ok(Self { set, shadow, lights, faces, _triangles, _sampler, surface, pixel, lift })
     }
 
     /// Number of light samples.

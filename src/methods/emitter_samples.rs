@@ -97,7 +97,7 @@ fn add_sample(scene: &Scene, extent: Extent, side: &Side, index: u32, area: f32,
     let point = scene.surface(side.emitter.triangle, triangle_point(index));
     let normal = if side.back { -point.geometric_normal } else { point.geometric_normal };
     let origin = point.position + normal * (extent.radius * NEAR);
-    let mut view = frame(origin, normal, extent.radius * NEAR, 1.0);
+    let mut view = frame(origin, normal, extent.radius * NEAR, set.guard());
     view.horizon = with(normal, -normal.dot(origin));
     let sample = LightSample {
         position: with(point.position, area / PI),

@@ -104,7 +104,7 @@ pub fn light_sets(
     }
     let count = |wanted: fn(&Light) -> bool| scene.lights.iter().filter(|l| wanted(l)).count();
     let size = |largest: u32, lights: usize| shrink(largest, lights).min(settings.shadow_size * 16);
-    let directional = size(4096, count(|l| matches!(l, Light::Directional { .. })));
+    let directional = size(2048, count(|l| matches!(l, Light::Directional { .. })));
     let point = size(1024, count(|l| matches!(l, Light::Point { .. })));
     let spot = size(2048, count(|l| matches!(l, Light::Spot { .. })));
     let mut sets = vec![
@@ -138,6 +138,11 @@ impl LightSet {
         Self { name, kind, views, shadow_size, frames: vec![], samples: vec![], faces: vec![], cells_only: false }
     }
 
+    /// Scale that leaves two texels around each face of a cube, so that what lies beyond its edge is seen from both sides.
+    pub(super) fn guard(&self) -> f32 {
+        1.0 - 4.0 / self.shadow_size as f32
+    }
+
     pub(super) fn push(&mut self, frame: Frame, sample: LightSample) {
         self.frames.push(frame);
         self.samples.push(sample);
@@ -158,7 +163,8 @@ fn add_punctual(light: &Light, extent: Extent, sets: &mut [LightSet]) {
         Light::Point { position, intensity } => {
             let sample =
                 LightSample { position: with(position, 0.0), power: with(intensity, 0.0), ..Default::default() };
-            sets[1].push(frame(position, Vec3::Z, near, 1.0), sample);
+            let scale = sets[1].guard();
+            sets[1].push(frame(position, Vec3::Z, near, scale), sample);
         }
         Light::Spot { position, direction, intensity, cos_inner, cos_outer } => {
             let sample = LightSample {
@@ -169,7 +175,7 @@ fn add_punctual(light: &Light, extent: Extent, sets: &mut [LightSet]) {
             // A plane's aperture ends at 90°; from 75° on its texels are stretched too far.
             let wide = cos_outer < 0.26;
             let tangent = (1.0 - cos_outer * cos_outer).max(0.0).sqrt() / cos_outer.max(1e-3);
-            let scale = if wide { 1.0 } else { 1.0 / (tangent * 1.02).max(1e-3) };
+            let scale = if wide { sets[3].guard() } else { 1.0 / (tangent * 1.02).max(1e-3) };
             sets[if wide { 3 } else { 2 }].push(frame(position, direction, near, scale), sample);
         }
     }

@@ -200,8 +200,9 @@ fn light_surfaces(
         })
     })?;
     let extent = Extent { bounds: ground.geometry.bounds, radius: ground.geometry.radius };
+    let triangles = Arc::new(ground.geometry.linked_triangles(device, &ground.scene.positions)?);
     for set in light_sets(ground.scene, extent, settings, sky)? {
-        DirectLight::new(device, set, ground, None, true)?.run(recorder, ground, |_| {})?;
+        DirectLight::new(device, set, ground, &triangles, None, true)?.run(recorder, ground, |_| {})?;
     }
     Ok(())
 }

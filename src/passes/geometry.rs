@@ -1,7 +1,8 @@
 //! The scene's geometry on the GPU: vertex streams, triangles in an order made for culling, clusters, surface cells.
 
+use crate::math::adjacency;
 use crate::scene::{Part, Scene};
-use crate::vk::{Binding, Buffer, DescriptorSet, Device, Memory, Result, SetLayout};
+use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
 use ash::vk;
 use glam::Vec3;
 use std::ops::Range;
@@ -9,6 +10,9 @@ use std::sync::Arc;
 
 /// Triangles of a cluster: culled and drawn together.
 pub const CLUSTER: u32 = 64;
+
+/// Triangles in a row of the image of [`Geometry::linked_triangles`]; `SHADOW_ROW` in `glsl/inc/shadow.glsl`.
+const TRIANGLES_IN_ROW: u32 = 1024;
 
 /// Triangles that are drawn alike in captures: all opaque ones, or those of one masked material.
 #[derive(Clone, Debug)]
@@ -38,6 +42,8 @@ pub struct Geometry {
     pub parts: Vec<Part>,
     /// Draw ranges: opaque first.
     pub ranges: Vec<DrawRange>,
+    /// Triangles, in the geometry's order.
+    pub triangles: Vec<[u32; 3]>,
     /// Number of triangles.
     pub triangle_count: u32,
     /// Number of clusters.
@@ -147,7 +153,34 @@ impl Geometry {
             _normals: normals,
             _streams: extra.into_iter().flatten().collect(),
             _materials: materials,
+            triangles: order.triangles,
         })
+    }
+
+    /// Number of triangles without an alpha mask: they come first.
+    pub fn opaque_count(&self) -> u32 {
+        self.ranges.first().filter(|range| range.masked.is_none()).map_or(0, |range| range.triangles.end)
+    }
+
+    /// Uploads each triangle as three texels in a row: a corner's position, and the triangle across the edge opposite to it.
+    ///
+    /// An image, because some devices fetch a texel of four words several times faster than words from a buffer.
+    pub fn linked_triangles(&self, device: &Arc<Device>, positions: &[Vec3]) -> Result<Image> {
+        let across = adjacency::neighbours(&self.triangles, positions);
+        let texel = |vertex: u32, across: u32| {
+            let [x, y, z] = positions[vertex as usize].to_array().map(f32::to_bits);
+            [x, y, z, across]
+        };
+        let rows = self.triangles.len().div_ceil(TRIANGLES_IN_ROW as usize).max(1) as u32;
+        let size = [3 * TRIANGLES_IN_ROW, rows];
+        let linked =
+            self.triangles.iter().zip(&across).flat_map(|(t, across)| [0, 1, 2].map(|i| texel(t[i], across[i])));
+        let mut texels: Vec<[u32; 4]> = linked.collect();
+        texels.resize((size[0] * size[1]) as usize, [0; 4]);
+        let (format, usage) = (vk::Format::R32G32B32A32_UINT, vk::ImageUsageFlags::SAMPLED);
+        let image = Image::new(device, ImageDesc { used_for: "linked triangles", format, size, layers: None, usage })?;
+        image.upload(bytemuck::cast_slice(&texels))?;
+        Ok(image)
     }
 
     /// The vertex and index buffer that captures draw.

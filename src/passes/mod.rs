@@ -14,6 +14,7 @@ pub mod material;
 pub mod pixel_light;
 pub mod place_records;
 pub mod resolve;
+pub mod shadow;
 pub mod splat;
 pub mod surface_light;
 

@@ -1,9 +1,8 @@
 //! Direct irradiance of each pixel by a batch of shadow-mapped light samples.
 
-use super::capture::Capture;
 use super::gbuffer::Targets;
 use super::groups;
-use crate::methods::direct::LightKind;
+use super::shadow::Shadow;
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout,
     Specialisation, spirv,
@@ -33,25 +32,22 @@ impl PixelLight {
     pub fn new(
         device: &Arc<Device>,
         gbuffer: &Targets,
-        (kind, shadow): (LightKind, &Capture),
-        (lights, faces): (&Buffer, Option<&Buffer>),
+        shadow: &Shadow<'_>,
+        faces: Option<&Buffer>,
         direct: &Buffer,
     ) -> Result<Self> {
-        let bindings = [
-            Binding::Storage(lights),
-            Binding::Storage(&shadow.frames),
-            Binding::Texels(&shadow.depth),
+        let own = [
             Binding::Texels(&gbuffer.position),
             Binding::Texels(&gbuffer.normals),
             Binding::Storage(direct),
-            Binding::Storage(faces.unwrap_or(lights)),
+            Binding::Storage(faces.unwrap_or(shadow.lights)),
         ];
+        let bindings: Vec<_> = shadow.bindings().into_iter().chain(own).collect();
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let has_faces = u32::from(faces.is_some());
-        let constants =
-            Specialisation(vec![kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns, has_faces]);
+        let constants = Specialisation(shadow.constants().into_iter().chain([has_faces]).collect());
         let code = spirv!("pixel_light", "pixel_light.comp");
         let pipeline = ComputePipeline::new("pixel_light", &pipeline_layout, code, &constants)?;
         Ok(Self { pipeline, set, size: gbuffer.position.desc.size, _layout: layout })

@@ -1,14 +1,11 @@
 //! Lights the surface cells by a batch of shadow-mapped light samples.
 
-use super::capture::Capture;
 use super::geometry::Geometry;
 use super::groups;
 use super::material::{Textures, Variant};
-use crate::methods::direct::LightKind;
+use super::shadow::Shadow;
 use crate::scene::Scene;
-use crate::vk::{
-    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout, spirv,
-};
+use crate::vk::{Binding, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout, spirv};
 use bytemuck::{Pod, Zeroable};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -52,17 +49,14 @@ impl SurfaceLight {
         scene: &Scene,
         geometry: &Geometry,
         textures: Option<&Textures>,
-        (kind, shadow): (LightKind, &Capture),
-        lights: &Buffer,
+        shadow: &Shadow<'_>,
     ) -> Result<Self> {
-        let bindings = [
-            Binding::Storage(lights),
-            Binding::Storage(&shadow.frames),
-            Binding::Texels(&shadow.depth),
+        let own = [
             Binding::Storage(&geometry.first_cell),
             Binding::Storage(&geometry.cell_triangle),
             Binding::Storage(&geometry.cell_radiance),
         ];
+        let bindings: Vec<_> = shadow.bindings().into_iter().chain(own).collect();
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let push = size_of::<Push>() as u32;
@@ -77,8 +71,7 @@ impl SurfaceLight {
                 None => (vec![&geometry.set_layout, &layout], spirv!("surface_light", "plain.comp")),
             };
             let pipeline_layout = PipelineLayout::new(device, &sets, push)?;
-            let own = [kind.code(), shadow.desc.views.code(), shadow.desc.size, shadow.columns];
-            let constants = variant.constants(geometry.streams, &own);
+            let constants = variant.constants(geometry.streams, &shadow.constants());
             pipelines.insert(variant, ComputePipeline::new("surface_light", &pipeline_layout, code, &constants)?);
         }
         Ok(Self { pipelines, set, _layout: layout })

@@ -1,0 +1,41 @@
+//! What receivers of shadowed light read: `glsl/inc/shadow.glsl`.
+
+use super::capture::Capture;
+use crate::methods::direct::LightKind;
+use crate::vk::{Binding, Buffer, Image, Sampler};
+
+/// A batch of light samples and their shadow views.
+pub struct Shadow<'a> {
+    /// Kind of the samples.
+    pub kind: LightKind,
+    /// Their views, with identities.
+    pub capture: &'a Capture,
+    /// The samples.
+    pub lights: &'a Buffer,
+    /// Reads their depths, nearest.
+    pub sampler: &'a Sampler,
+    /// All triangles and their neighbours.
+    pub triangles: &'a Image,
+    /// Number of triangles without an alpha mask.
+    pub opaque: u32,
+}
+
+impl Shadow<'_> {
+    /// Bindings 0–4 of the receivers' set.
+    pub fn bindings(&self) -> [Binding<'_>; 5] {
+        let identity = self.capture.identity.as_ref().expect("shadow views keep identities");
+        [
+            Binding::Storage(self.lights),
+            Binding::Storage(&self.capture.frames),
+            Binding::Sampled(&self.capture.depth, self.sampler.raw()),
+            Binding::Texels(identity),
+            Binding::Texels(self.triangles),
+        ]
+    }
+
+    /// Constants LIGHT_KIND, SHADOW_VIEWS, SHADOW_SIZE, SHADOW_COLUMNS, SHADOW_ROWS and SHADOW_OPAQUE.
+    pub fn constants(&self) -> [u32; 6] {
+        let Capture { desc, columns, depth, .. } = self.capture;
+        [self.kind.code(), desc.views.code(), desc.size, *columns, depth.desc.size[1] / desc.size, self.opaque]
+    }
+}
