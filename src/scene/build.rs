@@ -76,13 +76,6 @@ impl Builder {
         self.groups[material].1.extend([[a, b, c], [a, c, d]]);
     }
 
-    /// One triangle; its front is where its corners go round anticlockwise.
-    pub fn triangle(&mut self, material: usize, corners: [Vec3; 3]) {
-        let [a, b, c] = corners;
-        let normal = (b - a).cross(c - a).normalize();
-        self.groups[material].1.push(corners.map(|position| Corner { position, normal, uv: Vec2::ZERO }));
-    }
-
     /// A square in the plane y = `height`, centred on the axis, facing up.
     pub fn floor(&mut self, material: usize, height: f32, half: f32) {
         self.quad(material, Vec3::new(-half, height, half), Vec3::X * 2.0 * half, Vec3::NEG_Z * 2.0 * half);
