@@ -228,6 +228,7 @@ fn statistics_and_trace_explain_the_time() {
         "pixel_light",
         "place_records",
         "integrate",
+        "clamp_records",
         "splat",
         "find_uncovered",
         "resolve",

@@ -64,15 +64,15 @@ fn check(name: &str, size: [u32; 2], promise: Promise) {
 
 #[test]
 fn cornell_box() {
-    check("cornell", [256, 256], Promise { mae: 0.06, energy: 0.02 });
+    check("cornell", [256, 256], Promise { mae: 0.02, energy: 0.01 });
 }
 
 #[test]
 fn sponza() {
-    check("sponza", [128, 128], Promise { mae: 0.10, energy: 0.03 });
+    check("sponza", [128, 128], Promise { mae: 0.05, energy: 0.02 });
 }
 
 #[test]
 fn living_room() {
-    check("living-room", [256, 144], Promise { mae: 0.10, energy: 0.03 });
+    check("living-room", [256, 144], Promise { mae: 0.05, energy: 0.02 });
 }

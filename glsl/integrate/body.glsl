@@ -11,9 +11,10 @@ layout(constant_id = 0) const uint HAS_SKY = 0;
 layout(constant_id = 1) const uint HAS_ROTATION = 1;
 layout(constant_id = 2) const uint HAS_TRANSLATION = 1;
 layout(constant_id = 3) const uint IS_CURVED = 0;  // triangles' sides are curves, drawn as chords
+layout(constant_id = 4) const uint BY_HESSIAN = 0;  // R from the second derivatives of E; wants the translation gradient
 
 struct Texel { vec4 direction; uvec4 place; };  // local unit direction, cosine weight | layer<<16 | y<<8 | x, forward, ∫ n×ω dω
-struct Edge { vec4 step_; uvec4 texels; };      // tan(γ/2)·n·(a+b)·m from i to j (local) | i, j
+struct Edge { vec4 step_; uvec4 texels; };      // tan(γ/2)·n·(a+b)·m from i to j (local) | i, j, tangential part of the direction of its middle
 
 layout(set = 0, binding = 0, std430) readonly buffer Positions { float positions[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Indices { uint indices[]; };
@@ -51,6 +52,8 @@ layout(push_constant) uniform Push {
 #include "integrate/curved.glsl"
 #endif
 
+const float DARK_SHARE = 0.02;
+
 shared vec4 partial[THREADS];
 
 vec4 sum_all(vec4 value) {
@@ -63,6 +66,18 @@ vec4 sum_all(vec4 value) {
     }
     barrier();
     return partial[0];
+}
+
+vec3 max_all(vec3 value) {
+    uint me = gl_LocalInvocationID.x;
+    barrier();
+    partial[me].xyz = value;
+    for (uint half_ = THREADS / 2; half_ > 0; half_ /= 2) {
+        barrier();
+        if (me < half_) partial[me].xyz = max(partial[me].xyz, partial[me + half_].xyz);
+    }
+    barrier();
+    return partial[0].xyz;
 }
 
 ivec2 place_of(Texel texel) { return ivec2(texel.place.x & 255, (texel.place.x >> 8) & 255); }
@@ -90,10 +105,10 @@ vec3 inverse_plane(uint triangle, Frame frame) {
     return height != 0.0 ? to_local(frame, n) / height : vec3(0.0);
 }
 
-struct Sums { vec4 irradiance; vec3 rotation[3]; };  // irradiance.w: Σ w/d
+struct Sums { vec4 irradiance; vec3 rotation[3]; vec3 peak; };  // irradiance.w: Σ w/d; peak: largest radiance
 
 void gather(uint record, Frame frame, out Sums lit, out Sums open) {
-    lit = Sums(vec4(0.0), vec3[3](vec3(0.0), vec3(0.0), vec3(0.0)));
+    lit = Sums(vec4(0.0), vec3[3](vec3(0.0), vec3(0.0), vec3(0.0)), vec3(0.0));
     open = lit;
     uvec2 tile = uvec2(record % push.columns, record / push.columns) * push.tile_size;
     for (uint i = gl_LocalInvocationID.x; i < push.texel_count; i += THREADS) {
@@ -118,12 +133,14 @@ void gather(uint record, Frame frame, out Sums lit, out Sums open) {
             beyond = sky_radiance(direction);
         }
         lit.irradiance += weight * seen;
+        lit.peak = max(lit.peak, seen.rgb);
         if (HAS_ROTATION != 0) for (int c = 0; c < 3; ++c) lit.rotation[c] += seen[c] * turn;
         uint at = STRIDE * (record * push.texel_count + i);
         gathered[at] = seen;
         if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane, 0.0);
         if (HAS_SKY != 0) {
             open.irradiance.rgb += weight * beyond;
+            open.peak = max(open.peak, beyond);
             if (HAS_ROTATION != 0) for (int c = 0; c < 3; ++c) open.rotation[c] += beyond[c] * turn;
             gathered[at + 1] = vec4(beyond, 0.0);
         }
@@ -143,46 +160,71 @@ float inverse_edge_distance(uvec2 edge, uint i, uint j) {
 }
 
 // ∇_t E = −Σ (L_i − L_j)·tan(γ/2)·n·(a+b)·m / r over all edges between texels.
-void slide(uint record, out vec3 lit[3], out vec3 open[3]) {
-    for (int c = 0; c < 3; ++c) lit[c] = open[c] = vec3(0.0);
+//
+// Its own derivative, an edge in the direction ω staying where it is in space: H = −4 Σ (L_i − L_j) sym(step ⊗ ω) / r².
+// With w = M − x from the point to an edge's middle M, D along it, the step over r is (n·w)(D×w)/|w|⁴; x in the tangent
+// plane leaves n·w as it is, D×w changes by an antisymmetric part alone, and |w|⁻⁴ by 4w/|w|⁶. The light of the sky and of
+// surfaces together; `bend` is (xx, xy, yy), local.
+void slide(uint record, out vec3 lit[3], out vec3 open[3], out vec3 bend[3]) {
+    for (int c = 0; c < 3; ++c) lit[c] = open[c] = bend[c] = vec3(0.0);
     uint base = record * push.texel_count;
     for (uint e = gl_LocalInvocationID.x; e < push.edge_count; e += THREADS) {
         Edge edge = edges[e];
         uint i = STRIDE * (base + edge.texels.x), j = STRIDE * (base + edge.texels.y);
         vec3 step_ = edge.step_.xyz * inverse_edge_distance(edge.texels.xy, i, j);
-        vec3 change = gathered[i].rgb - gathered[j].rgb;
-        for (int c = 0; c < 3; ++c) lit[c] -= change[c] * step_;
+        vec3 difference = gathered[i].rgb - gathered[j].rgb;
+        for (int c = 0; c < 3; ++c) lit[c] -= difference[c] * step_;
         if (HAS_SKY != 0) {
-            vec3 difference = gathered[i + 1].rgb - gathered[j + 1].rgb;
-            for (int c = 0; c < 3; ++c) open[c] -= difference[c] * step_;
+            vec3 beyond = gathered[i + 1].rgb - gathered[j + 1].rgb;
+            for (int c = 0; c < 3; ++c) open[c] -= beyond[c] * step_;
+            difference += beyond;
+        }
+        if (BY_HESSIAN != 0) {
+            // By the texels' own distances: what is extrapolated to the edge would be squared here.
+            float nearest = max(gathered[i].w, gathered[j].w);
+            vec2 m = uintBitsToFloat(edge.texels.zw), s = nearest * nearest * edge.step_.xy;
+            vec3 h = vec3(4.0 * s.x * m.x, 2.0 * (s.x * m.y + s.y * m.x), 4.0 * s.y * m.y);
+            for (int c = 0; c < 3; ++c) bend[c] -= difference[c] * h;
         }
     }
 }
 
-Payload total(Frame frame, Sums sums, vec3 moves[3], float allowed) {
+Payload total(Frame frame, Sums sums, vec3 moves[3]) {
     Payload p;
+    vec3 most = PI * max_all(sums.peak);
     p.irradiance = vec4(sum_all(sums.irradiance).rgb, 1.0);
     for (int c = 0; c < 3; ++c) {
         vec3 r = HAS_ROTATION != 0 ? sum_all(vec4(sums.rotation[c], 0.0)).xyz : vec3(0.0);
         vec3 t = HAS_TRANSLATION != 0 ? sum_all(vec4(moves[c], 0.0)).xyz : vec3(0.0);
-        p.rotation[c] = vec4(to_world(frame, vec3(r.xy, 0.0)), 0.0);
-        p.translation[c] = vec4(to_world(frame, vec3(t.xy, 0.0)), allowed);
+        p.rotation[c] = vec4(to_world(frame, vec3(r.xy, 0.0)), most[c]);
+        p.translation[c] = vec4(to_world(frame, vec3(t.xy, 0.0)), 0.0);
     }
     return p;
 }
 
 float brightness(vec3 v) { return max(v.r, max(v.g, v.b)); }
 
-// Radius of the zone of influence: a·R, R no larger than E/‖∇_t E‖ (Křivánek et al. 2005), within limits in pixels.
-float zone_radius(float inverse_r, Payload p, float footprint, out float wanted) {
+// R by the split-sphere guess: the harmonic mean distance, no larger than E/‖∇_t E‖ (Křivánek et al. 2005).
+float harmonic_r(float inverse_r, Payload p) {
     float r = 1.0 / max(inverse_r, 1.0 / push.scene_radius);
     if (HAS_TRANSLATION != 0) {
         vec3 slope = vec3(length(p.translation[0].xyz), length(p.translation[1].xyz), length(p.translation[2].xyz));
         float e = brightness(p.irradiance.rgb), g = brightness(slope);
         if (g * r > e) r = e / max(g, 1e-30);
     }
-    wanted = push.accuracy * r;
-    return clamp(wanted, push.min_radius * footprint, push.max_radius * footprint);
+    return r;
+}
+
+// R by the error of the linear extrapolation, ½|λ|d² at a distance d along the worst direction, λ the eigenvalue of H
+// (Jarosz et al. 2012; Schwarzhaupt et al. 2012): at d = a·R it is a²/2 of E. Where E is next to nothing, a share of the
+// most that what is seen could give stands for it. CPU twin: math::ward::hessian_radius.
+float hessian_r(float e, float most, vec3 bend[3]) {
+    vec3 worst;
+    for (int c = 0; c < 3; ++c)
+        worst[c] = abs(bend[c].x + bend[c].z) * 0.5 + length(vec2((bend[c].x - bend[c].z) * 0.5, bend[c].y));
+    float lambda = brightness(worst), scale = e + DARK_SHARE * most, r = push.scene_radius;
+    if (lambda * r * r > scale) r = sqrt(scale / lambda);
+    return r;
 }
 
 void main() {
@@ -190,25 +232,38 @@ void main() {
     Frame frame = frames[record];
     Sums lit, open;
     gather(record, frame, lit, open);
-    vec3 lit_moves[3], open_moves[3];
+    vec3 lit_moves[3], open_moves[3], bend[3];
     if (HAS_TRANSLATION != 0) {
         memoryBarrierBuffer();
         barrier();
-        slide(record, lit_moves, open_moves);
+        slide(record, lit_moves, open_moves, bend);
     }
     float inverse_r = sum_all(lit.irradiance).w * push.inverse_weight;
-    Payload p = total(frame, lit, lit_moves, 1.0);
-    float wanted, radius = zone_radius(inverse_r, p, records[record].geometric.w, wanted);
+    Payload p = total(frame, lit, lit_moves), q;
+    if (HAS_SKY != 0) q = total(frame, open, open_moves);
+    float r;
+    if (BY_HESSIAN != 0) {
+        for (int c = 0; c < 3; ++c) bend[c] = sum_all(vec4(bend[c], 0.0)).xyz;
+        vec3 e = p.irradiance.rgb, most = vec3(p.rotation[0].w, p.rotation[1].w, p.rotation[2].w);
+        if (HAS_SKY != 0) {
+            e += q.irradiance.rgb;
+            most += vec3(q.rotation[0].w, q.rotation[1].w, q.rotation[2].w);
+        }
+        r = hessian_r(brightness(e), brightness(most), bend);
+    } else {
+        r = harmonic_r(inverse_r, p);
+    }
+    float wanted = push.accuracy * r, footprint = records[record].geometric.w;
+    float radius = clamp(wanted, push.min_radius * footprint, push.max_radius * footprint);
     // Beyond the radius that the gradient is good for, it is damped to stay bounded.
     float allowed = min(1.0, wanted / radius);
-    for (int c = 0; c < 3; ++c) p.translation[c].xyz *= allowed;
-    if (gl_LocalInvocationID.x == 0) payloads[(HAS_SKY + 1) * record] = p;
-    if (HAS_SKY != 0) {
-        Payload q = total(frame, open, open_moves, allowed);
-        for (int c = 0; c < 3; ++c) q.translation[c].xyz *= allowed;
-        if (gl_LocalInvocationID.x == 0) payloads[2 * record + 1] = q;
+    for (int c = 0; c < 3; ++c) {
+        p.translation[c] = vec4(p.translation[c].xyz * allowed, allowed);
+        if (HAS_SKY != 0) q.translation[c] = vec4(q.translation[c].xyz * allowed, allowed);
     }
     if (gl_LocalInvocationID.x == 0) {
+        payloads[(HAS_SKY + 1) * record] = p;
+        if (HAS_SKY != 0) payloads[2 * record + 1] = q;
         records[record].position.w = radius;
         records[record].normal.w = inverse_r;
     }

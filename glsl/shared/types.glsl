@@ -21,7 +21,7 @@ struct Record {
 // What a record carries, once for the light by one reflection and, where there is a sky, once for the sky's own.
 struct Payload {
     vec4 irradiance;      // W·m⁻²
-    vec4 rotation[3];     // rotation gradient, a world-space vector a colour channel
+    vec4 rotation[3];     // rotation gradient, a world-space vector a colour channel; w: most that the channel can be, π·L_max
     vec4 translation[3];  // translation gradient, likewise; w of the first: the share of it that the radius allows
 };
 

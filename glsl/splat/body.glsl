@@ -3,16 +3,22 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
 #include "inc/oct.glsl"
+#include "inc/views.glsl"
 
 layout(constant_id = 0) const uint HAS_SKY = 0;
 layout(constant_id = 1) const uint HAS_GRADIENTS = 1;
 layout(constant_id = 2) const uint WEIGHT = 0;        // 0 bounded (Tabellion and Lamorlette 2004), 1 Ward 1988
+layout(constant_id = 3) const uint SEEN_SIZE = 0;     // texels a side of the hemicubes that tell what a record sees; 0: not asked
+layout(constant_id = 4) const uint SEEN_STRIDE = 1;   // values of a texel
 
 layout(set = 0, binding = 0, std430) readonly buffer Records { Record records[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Payloads { Payload payloads[]; };
 layout(set = 0, binding = 2) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_normals;
+layout(set = 0, binding = 4, std430) readonly buffer Frames { Frame frames[]; };
+layout(set = 0, binding = 5, std430) readonly buffer Gathered { vec4 gathered[]; };  // w: 1/distance
 layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; } push;
+#include "splat/hidden.glsl"
 layout(location = 0) flat in uint record_index;
 layout(location = 0) out vec4 sum;
 #ifdef SKY
@@ -25,10 +31,14 @@ layout(location = COUNTED) out vec4 count;
 vec3 extrapolated(Payload p, vec3 turn, vec3 offset) {
     vec3 e = p.irradiance.rgb;
     if (HAS_GRADIENTS != 0) {
-        vec3 change;
-        for (int c = 0; c < 3; ++c) change[c] = dot(turn, p.rotation[c].xyz) + dot(offset, p.translation[c].xyz);
-        // Linear growth is evidence for as much again, and never for less than nothing.
-        e = clamp(e + change, vec3(0.0), 2.0 * e);
+        vec3 change, most;
+        for (int c = 0; c < 3; ++c) {
+            change[c] = dot(turn, p.rotation[c].xyz) + dot(offset, p.translation[c].xyz);
+            most[c] = p.rotation[c].w;
+        }
+        // Within what the record has evidence for: at least 0; at most a hemisphere full of the brightest thing that it
+        // sees, π·L_max; and, for linear growth tells of no more, twice itself. CPU twin: math::ward::extrapolated.
+        e = clamp(e + change, vec3(0.0), min(2.0 * e, max(e, most)));
     }
     return e;
 }
@@ -55,6 +65,7 @@ void main() {
         w = 1.0 / max(sqrt(distance2) / radius * push.accuracy + bend, 1e-6) - 1.0 / push.accuracy;
     }
     if (w <= 0.0) discard;
+    if (SEEN_SIZE != 0 && hidden(record_index, offset)) discard;
     vec3 turn = cross(nk, n);
     sum = vec4(w * extrapolated(payloads[(HAS_SKY + 1) * record_index], turn, offset), w);
 #ifdef SKY

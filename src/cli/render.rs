@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use hemicube::image::tone::{Look, ToneMap};
 use hemicube::image::{LayerSet, exr, png};
 use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
-use hemicube::passes::integrate::Gradients;
+use hemicube::passes::integrate::{Gradients, Radius};
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
 use hemicube::renderer::{Rendered, Settings, render};
@@ -82,6 +82,9 @@ pub struct RenderArgs {
     /// Irradiance gradients that records are extrapolated with
     #[arg(long, value_enum, default_value = "both", help_heading = "Irradiance cache")]
     gradients: GradientsArg,
+    /// What R is, of which a record's zone of influence has the share a
+    #[arg(long, value_enum, default_value = "hessian", help_heading = "Irradiance cache")]
+    radius: RadiusArg,
     /// Weight of a record at a point
     #[arg(long, value_enum, default_value = "bounded", help_heading = "Irradiance cache")]
     weight: WeightArg,
@@ -97,6 +100,12 @@ pub struct RenderArgs {
     /// √(1 − cos) between normals at which a record's weight has fallen to zero
     #[arg(long, value_name = "X", help_heading = "Irradiance cache", hide_short_help = true)]
     normal_limit: Option<f32>,
+    /// Whether a new record reaches further beyond an older one than that reaches itself
+    #[arg(long, value_enum, default_value = "clamp", help_heading = "Irradiance cache")]
+    neighbours: NeighboursArg,
+    /// Where something stands between a record and a point, by the distances that the record's hemicube has seen
+    #[arg(long, value_enum, default_value = "reject", help_heading = "Irradiance cache")]
+    hidden: HiddenArg,
     /// Seed of the hemicubes' random turns
     #[arg(long, default_value_t = 0, help_heading = "Irradiance cache")]
     seed: u32,
@@ -165,6 +174,15 @@ enum GradientsArg {
     Both,
 }
 
+/// `--radius`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum RadiusArg {
+    /// Harmonic mean distance of what the record sees, limited by its gradient (Ward 1988)
+    Harmonic,
+    /// Where the second derivatives of the irradiance make extrapolation wrong; harmonic without a translation gradient
+    Hessian,
+}
+
 /// `--weight`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum WeightArg {
@@ -172,6 +190,24 @@ enum WeightArg {
     Bounded,
     /// Ward, Rubinstein and Clear 1988
     Ward,
+}
+
+/// `--neighbours`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum NeighboursArg {
+    /// It does not: what shortens one zone is near the other (Křivánek et al. 2006)
+    Clamp,
+    /// It may
+    Free,
+}
+
+/// `--hidden`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum HiddenArg {
+    /// The record does not light the point: no light passes thin walls
+    Reject,
+    /// It does, if place and normal fit
+    Allow,
 }
 
 /// Runs the subcommand.
@@ -267,10 +303,16 @@ impl RenderArgs {
         let has = |kind| self.gradients == kind || self.gradients == GradientsArg::Both;
         cache.gradients =
             Gradients { rotation: has(GradientsArg::Rotation), translation: has(GradientsArg::Translation) };
+        cache.radius = match self.radius {
+            RadiusArg::Harmonic => Radius::Harmonic,
+            RadiusArg::Hessian => Radius::Hessian,
+        };
         cache.weight = match self.weight {
             WeightArg::Bounded => Weight::Bounded,
             WeightArg::Ward => Weight::Ward,
         };
+        cache.clamped = self.neighbours == NeighboursArg::Clamp;
+        cache.hidden = self.hidden == HiddenArg::Reject;
         set_u32(&mut settings.lights.area_samples, self.light_samples);
         settings.surface_cells = self.surface_cells;
         settings.tessellation = self.tessellate;

@@ -63,6 +63,8 @@ pub struct Edge {
     pub j: u32,
     /// ∫ cosθ m dl along the edge; the unit vector m is perpendicular to the direction and to the edge, from i to j.
     pub step: DVec3,
+    /// Unit direction of the edge's middle.
+    pub middle: DVec3,
 }
 
 /// All texels of a capture and all edges between them.
@@ -93,6 +95,8 @@ pub struct Integral {
     pub rotation: DVec3,
     /// Translation gradient.
     pub translation: DVec3,
+    /// Hessian of the irradiance under translation in the tangent plane: xx, xy, yy.
+    pub hessian: DVec3,
     /// Harmonic mean of the distances, cosine-weighted: 1/R.
     pub inverse_distance: f64,
 }
@@ -143,6 +147,11 @@ impl Table {
             let between = (self.texels[i].direction + self.texels[j].direction).normalize();
             let change = seen[i].radiance - seen[j].radiance;
             sum.translation -= change * inverse_edge_distance(&seen[i], &seen[j], between) * edge.step;
+            // The step's own derivative, the edge staying where it is in space: `slide` in the shader derives it.
+            let nearest = seen[i].inverse_distance.max(seen[j].inverse_distance);
+            let (s, m) = (edge.step, edge.middle);
+            let h = DVec3::new(4.0 * s.x * m.x, 2.0 * (s.x * m.y + s.y * m.x), 4.0 * s.y * m.y);
+            sum.hessian -= change * nearest * nearest * h;
         }
         sum
     }

@@ -5,4 +5,5 @@ pub mod capture;
 pub mod form_factor;
 pub mod sampling;
 pub mod sequence;
+pub mod visibility;
 pub mod ward;

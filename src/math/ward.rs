@@ -36,6 +36,24 @@ pub fn in_front(offset: DVec3, n: DVec3, n_k: DVec3, r: f64) -> bool {
     offset.dot(n + n_k) * 0.5 < -RELATIVE_TOLERANCE * r
 }
 
+/// R of a record whose linear extrapolation errs by ½a² of its irradiance, along the worst direction, at the distance a·R.
+///
+/// The error is ½|λ|d², λ the largest eigenvalue of the Hessian `h` = (xx, xy, yy) of the irradiance `e` (Jarosz,
+/// Schwarzhaupt, Popov, Dachsbacher 2012). `most` = π·L_max; a share of it stands for irradiance next to nothing.
+pub fn hessian_radius(e: f64, most: f64, h: DVec3) -> f64 {
+    const DARK_SHARE: f64 = 0.02;
+    let lambda = (h.x + h.z).abs() / 2.0 + ((h.x - h.z) / 2.0).hypot(h.y);
+    ((e + DARK_SHARE * most) / lambda).sqrt()
+}
+
+/// What a record tells of a point where its gradients change its irradiance `e` by `change`: within its evidence.
+///
+/// At least 0. At most `most` = π·L_max, a hemisphere full of the brightest thing that the record sees; and at most 2e,
+/// for linear growth is evidence for as much again and no more.
+pub fn extrapolated(e: f64, change: f64, most: f64) -> f64 {
+    (e + change).clamp(0.0, (2.0 * e).min(most.max(e)))
+}
+
 /// A new record's R and its neighbour's, after each is limited by the other (Křivánek, Bouatouch, Pattanaik, Žára 2006).
 ///
 /// If the neighbour sees something at R_i, the new record at distance d cannot be further from it than R_i + d.
@@ -75,6 +93,34 @@ mod tests {
         for scale in [1e-6, 1e6] {
             assert!(!in_front(DVec3::new(0.1, 0.0, -0.005) * scale, DVec3::Z, DVec3::Z, scale));
         }
+    }
+
+    #[test]
+    fn extrapolation_stays_within_its_evidence() {
+        let values = [0.0, 1e-30, 0.3, 1.0, 17.0, 1e30];
+        for e in values {
+            for change in values.into_iter().flat_map(|v| [v, -v]) {
+                for share in [1.0, 1.5, 100.0] {
+                    let got = extrapolated(e, change, share * e);
+                    assert!(got >= 0.0 && got <= 2.0 * e && got <= share * e, "{e} {change} {share}: {got}");
+                    let inside = e + change >= 0.0 && change <= e && e + change <= share * e;
+                    assert!(!inside || got == e + change, "{e} {change} {share}: {got}");
+                }
+            }
+        }
+        // Rounding may leave π·L_max below E in a furnace: the record's own value stands.
+        assert_eq!(extrapolated(1.0, 0.0, 0.999_999), 1.0);
+    }
+
+    #[test]
+    fn hessian_radius_is_where_a_parabola_errs() {
+        let (e, a): (f64, f64) = (2.0, 0.3);
+        for h in [DVec3::new(5.0, 0.0, 1.0), DVec3::new(1.0, 0.0, -5.0), DVec3::new(0.0, 5.0, 0.0)] {
+            let lambda = h.x.abs().max(h.z.abs()).max(h.y.abs());
+            let d = a * hessian_radius(e, 0.0, h);
+            assert!((0.5 * lambda * d * d - 0.5 * a * a * e).abs() < 1e-12, "{h}");
+        }
+        assert!(hessian_radius(e, 0.0, DVec3::ZERO).is_infinite());
     }
 
     #[test]

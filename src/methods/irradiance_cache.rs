@@ -3,11 +3,13 @@
 
 use super::Ground;
 use super::captures::{CaptureMode, Captures};
+use crate::math::capture::Projection;
+use crate::passes::clamp_records::{ClampRecords, Reach};
 use crate::passes::find_uncovered::{FindUncovered, Lattice};
 use crate::passes::gbuffer::Targets;
-use crate::passes::integrate::{Gradients, Integrate, Limits};
+use crate::passes::integrate::{Gradients, Integrate, Limits, Radius};
 use crate::passes::place_records::{PlaceRecords, Placement};
-use crate::passes::splat::{Outputs, Splat, View, Weight};
+use crate::passes::splat::{Outputs, Seen, Splat, View, Weight};
 use crate::vk::gpu_types::{Payload, Record};
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Memory, Result};
@@ -29,6 +31,8 @@ pub struct CacheSettings {
     pub capture_size: u32,
     /// Gradients to extrapolate with.
     pub gradients: Gradients,
+    /// What R is.
+    pub radius: Radius,
     /// Smallest radius of a zone of influence as a share of the image's height; never below two pixels.
     pub min_radius: f32,
     /// Largest radius as a share of the image's height; never below the smallest.
@@ -39,8 +43,19 @@ pub struct CacheSettings {
     pub covered: f32,
     /// √(1 − n·n_k) at which a record's weight has fallen to zero.
     pub normal_limit: f32,
+    /// Points are rejected that something hides from a record, where its capture tells: hemicubes do, to the horizon.
+    pub hidden: bool,
+    /// Zones of new records are clamped by those of their neighbours.
+    pub clamped: bool,
     /// Seed of the hemicubes' turns.
     pub seed: u32,
+}
+
+impl CacheSettings {
+    /// Whether captures tell what is hidden, and are asked to.
+    pub fn rejects_hidden(&self) -> bool {
+        self.hidden && self.capture.projection() == Projection::Hemicube
+    }
 }
 
 /// Where the cache is looked at from, for placing and splatting.
@@ -79,6 +94,7 @@ pub struct IrradianceCache {
     find: FindUncovered,
     place: PlaceRecords,
     integrate: Integrate,
+    clamp: Option<ClampRecords>,
     /// Splats and their sums.
     pub splat: Splat,
     _records: Buffer,
@@ -105,9 +121,6 @@ impl IrradianceCache {
         let outputs = Outputs { sky: sky.is_some(), records: counts_records };
         let both = (&records, &payloads);
         let has_gradients = settings.gradients.rotation || settings.gradients.translation;
-        let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight)?;
-        let find = FindUncovered::new(device, gbuffer, &splat.sums.indirect)?;
-        let place = PlaceRecords::new(device, gbuffer, &find.found, captures.frames(), &records)?;
         let height = gbuffer.position.desc.size[1] as f32;
         let min_radius = (settings.min_radius * height).max(SMALLEST_RADIUS);
         let limits = Limits {
@@ -116,9 +129,19 @@ impl IrradianceCache {
             max_radius: (settings.max_radius * height).max(min_radius),
             scene_radius: geometry.radius,
         };
-        let integrate = Integrate::new(device, geometry, &captures.captured(), both, sky, settings.gradients, limits)?;
+        let quantities = (settings.gradients, settings.radius);
+        let integrate = Integrate::new(device, geometry, &captures.captured(), both, sky, quantities, limits)?;
+        let (frames, gathered, stride) = (captures.frames(), &integrate.gathered, integrate.stride);
+        let seen = Seen { frames, gathered, size: settings.capture_size, stride };
+        let seen = settings.rejects_hidden().then_some(seen);
+        let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight, seen)?;
+        let find = FindUncovered::new(device, gbuffer, &splat.sums.indirect)?;
+        let place = PlaceRecords::new(device, gbuffer, &find.found, captures.frames(), &records)?;
+        let reach = Reach { min: limits.min_radius, max: limits.max_radius };
+        let clamp = || ClampRecords::new(device, gbuffer, &find.found, both, sky.is_some(), reach);
+        let clamp = settings.clamped.then(clamp).transpose()?;
         let (_records, _payloads) = (records, payloads);
-        Ok(Self { settings, captures, find, place, integrate, splat, _records, _payloads })
+        Ok(Self { settings, captures, find, place, integrate, clamp, splat, _records, _payloads })
     }
 
     /// Fills the cache until every pixel is covered. `progress` hears the records so far and the share of rounds done.
@@ -136,6 +159,12 @@ impl IrradianceCache {
                 self.splat.record_clear(c);
                 Ok(())
             })?;
+            if let Some(clamp) = &self.clamp {
+                recording.pass("clamp_records", |c| {
+                    clamp.record_clear(c);
+                    Ok(())
+                })?;
+            }
             self.find(recording, lattices[0])
         })?;
         for (index, next) in lattices.iter().skip(1).map(Some).chain([None]).enumerate() {
@@ -190,7 +219,7 @@ impl IrradianceCache {
         placement: Placement,
         view: &View,
     ) -> Result<()> {
-        let count = placement.count;
+        let Placement { first, count, .. } = placement;
         recording.pass("place_records", |c| {
             self.place.record(c, placement);
             Ok(())
@@ -200,6 +229,12 @@ impl IrradianceCache {
             self.integrate.record(c, count);
             Ok(())
         })?;
+        if let Some(clamp) = &self.clamp {
+            recording.pass("clamp_records", |c| {
+                clamp.record(c, first, count);
+                Ok(())
+            })?;
+        }
         recording.pass("splat", |c| {
             self.splat.record(c, view, count);
             Ok(())

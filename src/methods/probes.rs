@@ -8,7 +8,7 @@ use super::captures::{CaptureMode, Captures, LIFT, NEAR};
 use super::direct::{DirectLight, Extent, LightSettings, TooManyLights, light_sets};
 use super::{Ground, upload_sky};
 use crate::passes::geometry::Geometry;
-use crate::passes::integrate::{Gradients, Integrate, Limits};
+use crate::passes::integrate::{Gradients, Integrate, Limits, Radius};
 use crate::passes::material::Textures;
 use crate::scene::Scene;
 use crate::vk::gpu_types::{Frame, Payload, Record};
@@ -126,8 +126,9 @@ impl<'a> Probes<'a> {
             scene_radius: geometry.radius,
         };
         let both = (&records, &payloads);
+        let quantities = (settings.gradients, Radius::Harmonic);
         let integrate =
-            Integrate::new(device, &geometry, &captures.captured(), both, sky.as_ref(), settings.gradients, limits)?;
+            Integrate::new(device, &geometry, &captures.captured(), both, sky.as_ref(), quantities, limits)?;
         Ok(Self { scene, geometry, textures, captures, integrate, records, payloads, results, sky })
     }
 

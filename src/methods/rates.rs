@@ -8,7 +8,7 @@ use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::geometry::Geometry;
-use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits};
+use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits, Radius};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
 use crate::scene::{Material, Part, Scene};
 use crate::vk::gpu_types::{Frame, Payload, Record};
@@ -118,9 +118,10 @@ fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch
     let payloads = Buffer::new(device, "records", u64::from(count) * size_of::<Payload>() as u64, Memory::Device)?;
     let projection = Projection::Hemicube;
     let captured = Captured { by: CapturedBy::Render(&capture), projection, size: CAPTURE_SIZE, capacity: count };
-    let gradients = Gradients { rotation: true, translation: true };
+    let quantities = (Gradients { rotation: true, translation: true }, Radius::Hessian);
     let limits = Limits { accuracy: 0.3, min_radius: 1.0, max_radius: 2.0, scene_radius: 1.0 };
-    let integrate = Integrate::new(device, ground.geometry, &captured, (&records, &payloads), None, gradients, limits)?;
+    let integrate =
+        Integrate::new(device, ground.geometry, &captured, (&records, &payloads), None, quantities, limits)?;
     let seconds = stopwatch.seconds(|recording| {
         recording.pass("integrate", |c| {
             integrate.record(c, count);
@@ -143,7 +144,7 @@ fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) 
     let records = Buffer::with_data(device, "records", &vec![place; SPLATS as usize])?;
     let payloads = Buffer::with_data(device, "records", &vec![Payload::default(); SPLATS as usize])?;
     let outputs = Outputs { sky: false, records: false };
-    let splat = Splat::new(device, &gbuffer.targets, (&records, &payloads), outputs, true, Weight::Bounded)?;
+    let splat = Splat::new(device, &gbuffer.targets, (&records, &payloads), outputs, true, Weight::Bounded, None)?;
     // From the centre along −z, 90° wide, reversed depth.
     let near = 1e-3;
     let world_to_clip = Mat4::from_cols(Vec4::X, Vec4::NEG_Y, Vec4::new(0.0, 0.0, 0.0, -1.0), Vec4::Z * near);

@@ -48,6 +48,16 @@ pub struct Gradients {
     pub translation: bool,
 }
 
+/// What a record's R is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Radius {
+    /// The harmonic mean distance of what it sees, limited by E/‖∇E‖ (Ward 1988; Křivánek et al. 2005).
+    Harmonic,
+    /// By the second derivatives of E, which are what extrapolation by gradients leaves out (Jarosz et al. 2012). Without
+    /// the translation gradient the harmonic one.
+    Hessian,
+}
+
 /// Where captures come from.
 pub enum CapturedBy<'a> {
     /// Render passes.
@@ -74,7 +84,11 @@ pub struct Integrate {
     set: DescriptorSet,
     scene_set: DescriptorSet,
     push: Push,
-    _buffers: [Buffer; 3],
+    /// Of each texel of each record of a batch, `stride` values: radiance and 1/distance first.
+    pub gathered: Buffer,
+    /// Values of four floats that a texel has in `gathered`.
+    pub stride: u32,
+    _tables: [Buffer; 2],
     _layouts: [SetLayout; 2],
 }
 
@@ -86,14 +100,14 @@ impl Integrate {
         captured: &Captured<'_>,
         (records, payloads): (&Buffer, &Buffer),
         sky: Option<&Buffer>,
-        gradients: Gradients,
+        (gradients, radius): (Gradients, Radius),
         limits: Limits,
     ) -> Result<Self> {
         let table = captured.projection.table(captured.size);
         let texels = Buffer::with_data(device, "capture tables", &gpu_texels(&table))?;
         let edges = Buffer::with_data(device, "capture tables", &gpu_edges(&table, gradients))?;
-        let values = 1 + u64::from(sky.is_some()) + u64::from(gradients.translation);
-        let per_record = table.texels.len() as u64 * 16 * values;
+        let stride = 1 + u32::from(sky.is_some()) + u32::from(gradients.translation);
+        let per_record = table.texels.len() as u64 * 16 * u64::from(stride);
         let gathered_bytes = per_record * u64::from(captured.capacity);
         let gathered = Buffer::new(device, "gathered radiance", gathered_bytes, Memory::Device)?;
 
@@ -128,7 +142,8 @@ impl Integrate {
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&scene_layout, &layout], size_of::<Push>() as u32)?;
         let is_curved = captured.projection == Projection::Hemisphere;
-        let flags = [sky.is_some(), gradients.rotation, gradients.translation, is_curved];
+        let by_hessian = radius == Radius::Hessian && gradients.translation;
+        let flags = [sky.is_some(), gradients.rotation, gradients.translation, is_curved, by_hessian];
         let constants = Specialisation(flags.map(u32::from).to_vec());
         let pipeline = ComputePipeline::new("integrate", &pipeline_layout, code, &constants)?;
         let push = Push {
@@ -144,7 +159,9 @@ impl Integrate {
             set,
             scene_set,
             push,
-            _buffers: [texels, edges, gathered],
+            gathered,
+            stride,
+            _tables: [texels, edges],
             _layouts: [scene_layout, layout],
         })
     }
@@ -171,7 +188,8 @@ fn gpu_texels(table: &Table) -> Vec<Texel> {
 fn gpu_edges(table: &Table, gradients: Gradients) -> Vec<Edge> {
     let edge = |e: &capture::Edge| {
         let s = e.step.as_vec3();
-        Edge { step: [s.x, s.y, s.z, 0.0], texels: [e.i, e.j, 0, 0] }
+        let m = e.middle.as_vec3();
+        Edge { step: [s.x, s.y, s.z, 0.0], texels: [e.i, e.j, m.x.to_bits(), m.y.to_bits()] }
     };
     if gradients.translation { table.edges.iter().map(edge).collect() } else { vec![Edge::default()] }
 }

@@ -5,6 +5,7 @@
 
 pub mod capture;
 pub mod capture_compute;
+pub mod clamp_records;
 pub mod cull;
 pub mod find_uncovered;
 pub mod gbuffer;

@@ -43,6 +43,19 @@ pub struct Outputs {
     pub records: bool,
 }
 
+/// What the records of a batch have seen, for [`Splat`] to reject points that are hidden from them.
+#[derive(Clone, Copy)]
+pub struct Seen<'a> {
+    /// Frames of the captures.
+    pub frames: &'a Buffer,
+    /// What each texel saw; [`super::integrate::Integrate::gathered`].
+    pub gathered: &'a Buffer,
+    /// Texels a side of the hemicubes.
+    pub size: u32,
+    /// Values of a texel in `gathered`.
+    pub stride: u32,
+}
+
 /// Sums of the splats: Σ w·E and Σ w.
 pub struct Sums {
     /// Of irradiance by one reflection.
@@ -66,7 +79,7 @@ pub struct Splat {
 }
 
 impl Splat {
-    /// Splats `records` with `payloads`.
+    /// Splats `records` with `payloads`; with `seen`, not past what stands between a record and a point.
     pub fn new(
         device: &Arc<Device>,
         gbuffer: &Targets,
@@ -74,6 +87,7 @@ impl Splat {
         outputs: Outputs,
         gradients: bool,
         weight: Weight,
+        seen: Option<Seen<'_>>,
     ) -> Result<Self> {
         let sums = Sums::new(device, gbuffer.position.desc.size, outputs)?;
         let images = sums.in_order();
@@ -88,11 +102,16 @@ impl Splat {
             Binding::Storage(payloads),
             Binding::Texels(&gbuffer.position),
             Binding::Texels(&gbuffer.normals),
+            // Not read where nothing is asked of them.
+            Binding::Storage(seen.map_or(records, |seen| seen.frames)),
+            Binding::Storage(seen.map_or(records, |seen| seen.gathered)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<View>() as u32)?;
-        let constants = [outputs.sky, gradients, weight == Weight::Ward].map(u32::from);
+        let [sky, gradients, ward] = [outputs.sky, gradients, weight == Weight::Ward].map(u32::from);
+        let constants =
+            vec![sky, gradients, ward, seen.map_or(0, |seen| seen.size), seen.map_or(1, |seen| seen.stride)];
         let fragment = match (outputs.sky, outputs.records) {
             (false, false) => spirv!("splat", "plain.frag"),
             (true, false) => spirv!("splat", "sky.frag"),
@@ -103,7 +122,7 @@ impl Splat {
             name: "splat",
             vertex: spirv!("splat", "splat.vert"),
             fragment: Some(fragment),
-            constants: Specialisation(constants.to_vec()),
+            constants: Specialisation(constants),
             input: VertexInput::None,
             topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
             additive: true,

@@ -77,9 +77,14 @@ impl Plan {
         } else {
             plan.part("capture", false, why);
         }
-        for pass in ["integrate", "splat"] {
-            plan.part(pass, plan.captures, why);
-        }
+        plan.part("integrate", plan.captures, why);
+        let clamped = if cache.clamped { why } else { "neighbours are not asked to clamp each other" };
+        plan.part("clamp_records", plan.captures && cache.clamped, clamped);
+        plan.part("splat", plan.captures, why);
+        let hidden =
+            if cache.hidden { "the captures do not see the horizon" } else { "records may light what they do not see" };
+        let hidden = if plan.captures { hidden } else { why };
+        plan.part("hidden points", plan.captures && cache.rejects_hidden(), hidden);
         let triangles = scene.triangles.len();
         let drawn = plan.lights || (plan.captures && !plan.compute);
         let whole = if drawn { format!("{triangles} triangles are drawn whole") } else { "nothing to cull for".into() };

@@ -4,7 +4,7 @@ use crate::math::capture::Projection;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
 use crate::methods::light_samples::LightSettings;
-use crate::passes::integrate::Gradients;
+use crate::passes::integrate::{Gradients, Radius};
 use crate::passes::resolve::Plane;
 use crate::passes::splat::Weight;
 use crate::vk::Device;
@@ -50,11 +50,14 @@ impl Default for Settings {
                 capture: CaptureMode::Auto,
                 capture_size: 32,
                 gradients: Gradients { rotation: true, translation: true },
+                radius: Radius::Hessian,
                 min_radius: 0.006,
                 max_radius: 0.05,
                 weight: Weight::Bounded,
                 covered: 0.3,
                 normal_limit: 0.2,
+                hidden: true,
+                clamped: true,
                 seed: 0,
             },
             lights: LightSettings { area_samples: 64, sky_samples: 128, shadow_size: 256 },

@@ -36,7 +36,7 @@ pub struct Record {
 pub struct Payload {
     /// Irradiance, W·m⁻².
     pub irradiance: [f32; 4],
-    /// Rotation gradient a channel.
+    /// Rotation gradient a channel; the most that the channel can be.
     pub rotation: [[f32; 4]; 3],
     /// Translation gradient a channel.
     pub translation: [[f32; 4]; 3],
@@ -100,7 +100,7 @@ pub struct Texel {
 pub struct Edge {
     /// Factor of the translation gradient, local.
     pub step: [f32; 4],
-    /// The two texels.
+    /// The two texels; float bits of the tangential part of the direction of its middle.
     pub texels: [u32; 4],
 }
 

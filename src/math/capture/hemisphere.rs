@@ -142,12 +142,15 @@ fn arc(x: f64, y: f64) -> f64 {
 /// (c, s sin t, s cos t), s² = 1 − c²; across it m = (s, −c sin t, −c cos t), so that
 /// ∫ cosθ m dl = (s² Δy, −c Δ(y²)/2, −c (s² Δt + Δ(yz))/2).
 fn inner_edges(grid: &Grid, owner: impl Fn(u32, u32) -> Option<u32>) -> Vec<Edge> {
-    let mut sums: BTreeMap<(u32, u32), DVec3> = BTreeMap::new();
-    let mut add = |i: Option<u32>, j: Option<u32>, step: DVec3| {
+    // Of each pair the step and the sum of its arcs' middles.
+    let mut sums: BTreeMap<(u32, u32), [DVec3; 2]> = BTreeMap::new();
+    let mut add = |i: Option<u32>, j: Option<u32>, step: DVec3, middle: DVec3| {
         if let (Some(i), Some(j)) = (i, j)
             && i != j
         {
-            *sums.entry((i.min(j), i.max(j))).or_default() += if i < j { step } else { -step };
+            let sum = sums.entry((i.min(j), i.max(j))).or_default();
+            sum[0] += if i < j { step } else { -step };
+            sum[1] += middle;
         }
     };
     let at = |k: u32| f64::from(k) * grid.pitch - 1.0;
@@ -155,12 +158,18 @@ fn inner_edges(grid: &Grid, owner: impl Fn(u32, u32) -> Option<u32>) -> Vec<Edge
         let (line, from) = (at(column), at(row));
         // From left to right across x = line; rows count from the top.
         let s = small_circle(line, -from - grid.pitch, -from);
-        add(owner(column - 1, row), owner(column, row), s);
+        let half = from + grid.pitch / 2.0;
+        add(owner(column - 1, row), owner(column, row), s, on_sphere(line, -half));
         // The same turned: downwards across y = −line.
         let s = small_circle(line, from, from + grid.pitch);
-        add(owner(row, column - 1), owner(row, column), DVec3::new(s.y, -s.x, s.z));
+        add(owner(row, column - 1), owner(row, column), DVec3::new(s.y, -s.x, s.z), on_sphere(half, -line));
     }
-    sums.into_iter().map(|((i, j), step)| Edge { i, j, step }).collect()
+    sums.into_iter().map(|((i, j), [step, middles])| Edge { i, j, step, middle: middles.normalize() }).collect()
+}
+
+/// The direction above (x, y) on the disc.
+fn on_sphere(x: f64, y: f64) -> DVec3 {
+    DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
 }
 
 /// ∫ cosθ m dl over the arc x = c, y from `low` to `high`, m towards growing x.

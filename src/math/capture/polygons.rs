@@ -89,5 +89,5 @@ fn edge(i: u32, j: u32, texels: &[Texel], a: DVec3, b: DVec3) -> Edge {
     let m = if across.dot(towards) >= 0.0 { across } else { -across };
     // tan(γ/2) = sinγ/(1 + cosγ)
     let tangent = a.cross(b).length() / (1.0 + a.dot(b));
-    Edge { i, j, step: tangent * (a.z + b.z) * m }
+    Edge { i, j, step: tangent * (a.z + b.z) * m, middle: (a + b).normalize() }
 }

@@ -151,7 +151,7 @@ fn furnace_has_no_gradients() {
         let got = table.integrate(&vec![seen(2.0, 1.0 / 3.0, DVec3::Z); table.texels.len()]);
         assert!((got.irradiance - 2.0 * PI).abs() < 1e-11);
         assert!((got.inverse_distance - 1.0 / 3.0).abs() < 1e-12);
-        assert!(got.rotation.length() < 1e-11 && got.translation.length() < 1e-12);
+        assert!(got.rotation.length() < 1e-11 && got.translation.length() < 1e-12 && got.hessian.length() < 1e-12);
     }
 }
 
@@ -170,6 +170,25 @@ fn rectangle_agrees_with_the_closed_form_and_converges() {
             let texel = if matches!(projection, Projection::Plane { .. }) { WIDE / size } else { 1.0 / size };
             assert!(irradiance < 3.0 * texel && gradient < 4.0 * texel, "{projection:?} {size}: {errors:?}");
         }
+    }
+}
+
+/// Central second differences of the rectangle's closed form.
+#[test]
+fn hessian_agrees_with_finite_differences() {
+    use crate::math::form_factor::polygon;
+    let corners = [(0.3, -0.7), (1.5, -0.7), (1.5, 0.9), (0.3, 0.9)].map(|(x, y)| dvec3(x, y, 1.0));
+    let at = |x: f64, y: f64| polygon(DVec3::Z, &corners.map(|c| c - dvec3(x, y, 0.0)));
+    let d = 1e-3;
+    let exact = dvec3(
+        at(d, 0.0) - 2.0 * at(0.0, 0.0) + at(-d, 0.0),
+        (at(d, d) - at(d, -d) - at(-d, d) + at(-d, -d)) / 4.0,
+        at(0.0, d) - 2.0 * at(0.0, 0.0) + at(0.0, -d),
+    ) / (d * d);
+    for projection in [Projection::Hemicube, COMPENSATED, Projection::Hemisphere] {
+        let errors = [32, 128].map(|size| (rectangle(projection, size).hessian - exact).length() / exact.length());
+        eprintln!("{projection:?}: {exact}, {errors:?}");
+        assert!(errors[0] < 0.3 && errors[1] < 0.08, "{projection:?}: {errors:?}");
     }
 }
 

@@ -1,0 +1,109 @@
+//! Records and what hides a point from them: no light passes a thin wall from a record on its other side.
+
+#![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
+
+mod common;
+
+use common::build::{Facing, diffuse};
+use common::{Builder, draw, look, look_parallel, small};
+use glam::{DVec3, Vec3, dvec3, vec3};
+use hemicube::renderer::{Rendered, Settings};
+use hemicube::scene::{Camera, Light, Scene, cornell};
+
+/// Two rooms without ceilings over one floor, between them a wall without thickness with a slit of width `slit` in it. A
+/// sun shines on the left room and on the left of the wall; no light reaches what the right room's floor can see.
+fn two_rooms(slit: f32) -> (Scene, Camera) {
+    let mut b = Builder::default();
+    let grey = b.material(diffuse(0.5));
+    b.floor(grey, 0.0, 1.0);
+    for side in [-1.0, 1.0] {
+        let from = vec3(0.0, 0.0, 0.5 * slit * side);
+        b.quad(grey, from, Vec3::Z * (side - from.z), Vec3::Y * 1.5);
+    }
+    b.light(Light::Directional { direction: vec3(1.0, -1.0, 0.0).normalize(), irradiance: Vec3::splat(1e6) });
+    (b.build(), look_parallel(dvec3(0.0, 4.0, 0.0), DVec3::ZERO, 1.0))
+}
+
+/// Mean irradiance on the right of the wall over that on its left, and the number of pixels on the right that have any.
+fn leak(rendered: &Rendered) -> (f64, usize) {
+    let (p, e) = (rendered.picture.xyz("P").unwrap(), rendered.picture.rgb("irradiance").unwrap()[0]);
+    let side = |right: bool| {
+        let floor = |i: &usize| p[1][*i].abs() < 1e-3 && (p[0][*i] > 0.0) == right && p[0][*i].abs() > 1e-3;
+        (0..e.len()).filter(floor).map(|i| f64::from(e[i])).collect::<Vec<_>>()
+    };
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (left, right) = (side(false), side(true));
+    (mean(&right) / mean(&left), right.iter().filter(|e| **e != 0.0).count())
+}
+
+fn with(hidden: bool, settings: Settings) -> Settings {
+    let mut settings = settings;
+    settings.cache.hidden = hidden;
+    settings
+}
+
+#[test]
+fn records_do_not_light_the_other_side_of_a_thin_wall() {
+    let (scene, camera) = two_rooms(0.0);
+    let [before, after] = [false, true].map(|hidden| leak(&draw(&scene, &camera, &with(hidden, small(96)))));
+    eprintln!(
+        "thin wall: {:.3} % in {} pixels before, {:.5} % in {} after",
+        before.0 * 1e2,
+        before.1,
+        after.0 * 1e2,
+        after.1
+    );
+    assert!(before.0 > 0.002, "the scene does not leak: {before:?}");
+    assert_eq!(after.1, 0, "{after:?}");
+}
+
+/// A door's slit lets no more through: what is seen through it is lit by records of its own.
+#[test]
+fn records_do_not_light_through_the_slit_of_a_door() {
+    let (scene, camera) = two_rooms(0.1);
+    let [before, after] = [false, true].map(|hidden| leak(&draw(&scene, &camera, &with(hidden, small(96)))));
+    eprintln!(
+        "door slit: {:.3} % in {} pixels before, {:.5} % in {} after",
+        before.0 * 1e2,
+        before.1,
+        after.0 * 1e2,
+        after.1
+    );
+    assert!(before.0 > 0.002, "the scene does not leak: {before:?}");
+    assert_eq!(after.1, 0, "{after:?}");
+}
+
+/// What is in sight stays in sight: on a concave surface and in a room with corners no more than a few records more.
+#[test]
+fn nothing_in_sight_is_rejected() {
+    let mut b = Builder::default();
+    let white = b.material(diffuse(0.8));
+    b.sphere(white, Vec3::ZERO, 1.0, 48, Facing::In);
+    b.light(Light::Point { position: vec3(0.0, -0.5, 0.0), intensity: Vec3::splat(3.0) });
+    let sphere = (b.build(), look(dvec3(0.0, 0.3, 0.8), dvec3(0.0, 0.0, -1.0), 90.0));
+    let box_ = (cornell(), cornell().cameras[0].clone());
+    for (name, (scene, camera)) in [("sphere", sphere), ("Cornell box", box_)] {
+        let [off, on] = [false, true].map(|hidden| draw(&scene, &camera, &with(hidden, small(96))).cache.records);
+        eprintln!("{name}: {off} records without rejection, {on} with");
+        assert!(on as f64 <= 1.05 * off as f64, "{name}: {off} records become {on}");
+    }
+}
+
+/// Zones far beyond what gradients are good for: irradiance stays within what the brightest surface could give.
+#[test]
+fn extrapolation_stays_within_its_evidence() {
+    let mut b = Builder::default();
+    let (grey, black) = (b.material(diffuse(0.5)), b.material(diffuse(0.0)));
+    b.quad(grey, vec3(0.0, 0.0, 2.0), Vec3::NEG_Z * 4.0, Vec3::Y);
+    b.quad(black, vec3(0.0, 0.0, 2.0), Vec3::X * 3.0, Vec3::NEG_Z * 4.0);
+    b.light(Light::Directional { direction: Vec3::NEG_X, irradiance: Vec3::splat(2.0) });
+    let mut settings = small(64);
+    (settings.cache.accuracy, settings.cache.max_radius) = (10.0, 1.0);
+    let camera = look_parallel(dvec3(1.5, 4.0, 0.0), dvec3(1.5, 0.0, 0.0), 1.4);
+    let rendered = draw(&b.build(), &camera, &settings);
+    let e = rendered.picture.rgb("irradiance").unwrap()[0];
+    let (low, high) = e.iter().fold((f32::MAX, f32::MIN), |(low, high), e| (low.min(*e), high.max(*e)));
+    eprintln!("{} records, irradiance from {low} to {high}", rendered.cache.records);
+    // πL = ρE₀ = 1.
+    assert!(low >= 0.0 && high > 0.1 && high <= 1.0 + 1e-5, "{low} {high}");
+}
