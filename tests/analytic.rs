@@ -344,8 +344,6 @@ fn profile_before_a_lit_wall() {
     b.light(Light::Directional { direction: Vec3::NEG_X, irradiance: tinted(irradiance) });
     let mut settings = Settings { surface_cells: Some(1 << 16), ..small(96) };
     settings.cache.accuracy = 0.15;
-    // E is straight beside the wall: its second derivative lets records reach further than their gradients are good for.
-    settings.cache.radius = Radius::Harmonic;
     let picture = picture(&b.build(), &look_parallel(dvec3(1.5, 4.0, 0.0), dvec3(1.5, 0.0, 0.0), 1.4), &settings);
     let expected = |x: f64| 0.5 * f64::from(rho * irradiance) * (1.0 - x / (x * x + f64::from(height * height)).sqrt());
     let floor = |p: DVec3, n: DVec3| n.y > 0.9 && p.x > 0.02;
@@ -362,10 +360,7 @@ fn a_wall_over_a_lit_floor() {
     b.floor(grey, 0.0, half as f32);
     b.quad(grey, vec3(-1.0, 0.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0);
     b.light(Light::Directional { direction: Vec3::NEG_Y, irradiance: tinted(irradiance) });
-    let mut settings = Settings { surface_cells: Some(1 << 16), ..small(96) };
-    // Transport is tested here, not interpolation: just above the floor its far end seems to stand where the lowest row of
-    // texels meets it, which no second derivative tells.
-    settings.cache.radius = Radius::Harmonic;
+    let settings = Settings { surface_cells: Some(1 << 16), ..small(96) };
     let picture = picture(&b.build(), &look(dvec3(0.0, 1.2, 3.0), dvec3(0.0, 0.9, 0.0), 40.0), &settings);
     let corners = parallelogram(dvec3(-half, 0.0, 0.0), DVec3::X * 2.0 * half, DVec3::Z * half);
     let wall = |p: DVec3, n: DVec3| n.z > 0.9 && p.y > 0.02;
@@ -471,7 +466,11 @@ fn dark_room(outside: &str) -> (Scene, Camera) {
 fn no_light_gets_through_a_thin_wall() {
     for outside in ["sun", "lamp", "sky", "room beside"] {
         let (scene, camera) = dark_room(outside);
-        for settings in each_capture(small(96)) {
+        for mut settings in each_capture(small(96)) {
+            if outside == "room beside" && settings.cache.capture == CaptureMode::Hemicube {
+                // The texels below are measured here, where records are as dense as walls are near.
+                settings.cache.radius = Radius::Harmonic;
+            }
             let picture = picture(&scene, &camera, &settings);
             for layer in ["irradiance_direct", "irradiance", ""] {
                 let light = picture.rgb(layer).unwrap();
