@@ -4,7 +4,7 @@
     tools/tessellate.py SCENE.gltf -o FINE.gltf --levels 2
 
 The surface stays the same: corners are added, none is moved. Meshes must be triangle lists of plain float attributes with
-indices, in files beside the scene; textures are found where they are.
+indices, in files beside the scene; textures are found where they are. Wants numpy (tools/setup.sh --peers).
 """
 
 import argparse
