@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::build::{Facing, diffuse, emitter};
+use common::build::{Facing, diffuse, emitter, tessellated};
 use common::closed_forms::{crosses_box, element, over_square, parallelogram, point_light, polygon, spot_factor};
 use common::{Builder, against, assert_close, each_capture, look, look_parallel, picture, small};
 use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
@@ -423,6 +423,23 @@ fn both_ways_to_capture_agree_with_the_closed_forms() {
     let energy = indirect.energy.unwrap() - 1.0;
     eprintln!("Cornell box, one way against the other: {:.3} %, energy {:+.3} %", indirect.mae * 1e2, energy * 1e2);
     assert!(indirect.mae < 0.01 && energy.abs() < 0.003, "{indirect:?}");
+}
+
+/// More clusters than a face lists at once: what is seen so far is kept while the list is used again.
+#[test]
+fn both_ways_to_capture_agree_on_many_triangles() {
+    let scene = tessellated(&cornell(), 6);
+    assert!(scene.triangles.len() > 63 * 32 * 64, "{} triangles fill one list only", scene.triangles.len());
+    let [render, compute] = each_capture(small(12)).map(|settings| picture(&scene, &scene.cameras[0], &settings));
+    let off = difference(&render, &compute, "irradiance");
+    let energy = off.energy.unwrap() - 1.0;
+    eprintln!(
+        "one way against the other: {:.3} %, p99 {:.3} %, energy {:+.3} %",
+        off.mae * 1e2,
+        off.p99 * 1e2,
+        energy * 1e2
+    );
+    assert!(off.mae < 0.01 && off.p99 < 0.05 && energy.abs() < 0.003, "{off:?}");
 }
 
 // Extremes.

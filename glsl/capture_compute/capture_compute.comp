@@ -1,7 +1,7 @@
 // A hemicube's faces rasterised in shared memory, after micro-rendering (Ritschel et al. 2009): no image is written, only
-// what each texel sees. One workgroup a (record, face): it walks the clusters, and each invocation takes one triangle of a
-// cluster that the face sees. Triangles are tested as directions, in homogeneous coordinates (Olano and Greer 1997): what
-// crosses the face's plane needs no clipping, and a triangle that covers no texel's centre is dropped after its bounds.
+// what each texel sees. One workgroup a (record, face) lists the clusters of triangles that the face may see and draws
+// them; each invocation takes one triangle of a cluster. Triangles are tested as directions, in homogeneous coordinates
+// (Olano and Greer 1997): what crosses the face's plane needs no clipping.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
@@ -10,39 +10,66 @@ const uint THREADS = 64;  // triangles of a cluster
 layout(local_size_x = THREADS) in;
 
 layout(constant_id = 0) const uint SIZE = 32;
-layout(constant_id = 1) const uint ID_BITS = 18;
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Clusters { vec4 clusters[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Corners { float corners[]; };  // nine floats a triangle
-layout(set = 0, binding = 3, std430) writeonly buffer Seen { uvec2 seen[]; };  // identity, 1/distance
-layout(push_constant) uniform Push { uint cluster_count; uint triangle_count; float nearest; uint texel_count; } push;
+layout(set = 0, binding = 1, std430) readonly buffer Visible { uint visible[]; };  // a bit a cluster, by frame and face
+layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w of the first: the geometry's triangle
+layout(set = 0, binding = 3, std430) buffer Seen { uvec2 seen[]; };  // identity, 1/distance
+layout(push_constant) uniform Push {
+    float nearest;  // smallest depth that is told from others
+    uint word_count;
+    uint triangle_count;
+    uint texel_count;
+} push;
 
 const uint NOTHING = 0xffffffffu;
-// Nearest depth and triangle of each texel: the logarithm of depth in the upper bits, the triangle in the lower ones.
-shared uint keys[SIZE * SIZE];
-shared uint visible[2];
+// A key is the logarithm of depth in the upper bits; then the entry of the triangle's cluster in the list, plus 1, and
+// its place in the cluster. Entry 0 are triangles already written to `seen`: the list is used again and again, so that any
+// number of triangles has a name.
+const uint PLACE_BITS = 6, ENTRY_BITS = 11, ID_BITS = PLACE_BITS + ENTRY_BITS;
+const uint WORDS = 63;  // of bits that are listed at once: fewer entries than names
 
+shared uint keys[SIZE * SIZE];
+shared uint list[WORDS * 32];
+shared uint counts[THREADS];
+
+// A face of a record's hemicube.
+struct View { uint face; mat3 axes; Frame frame; };
 struct Triangle { vec3 a, b, c; };  // corners, in face coordinates
+struct Box { ivec2 low, high; };    // texels, both ends included
 
 // Axes of a face: right, up, forward, as rows.
-mat3 face_axes(uint view, Frame frame) {
-    mat3 columns = mat3(face_coordinates(view, vec3(1.0, 0.0, 0.0)), face_coordinates(view, vec3(0.0, 1.0, 0.0)),
-                        face_coordinates(view, vec3(0.0, 0.0, 1.0)));
+mat3 face_axes(uint face, Frame frame) {
+    mat3 columns = mat3(face_coordinates(face, vec3(1.0, 0.0, 0.0)), face_coordinates(face, vec3(0.0, 1.0, 0.0)),
+                        face_coordinates(face, vec3(0.0, 0.0, 1.0)));
     return columns * transpose(mat3(frame.tangent.xyz, frame.bitangent.xyz, frame.normal.xyz));
 }
 
-Triangle load(mat3 axes, vec3 origin, uint triangle) {
-    uint at = 9 * triangle;
-    return Triangle(axes * (vec3(corners[at], corners[at + 1], corners[at + 2]) - origin),
-                    axes * (vec3(corners[at + 3], corners[at + 4], corners[at + 5]) - origin),
-                    axes * (vec3(corners[at + 6], corners[at + 7], corners[at + 8]) - origin));
+vec3 corner(View view, uint at) {
+    return view.axes * (texelFetch(corners, int(at)).xyz - view.frame.origin.xyz);
 }
 
-vec2 texel_centre(ivec2 at) { return (vec2(at) + 0.5) * (2.0 / float(SIZE)) - 1.0; }
+Triangle load(View view, uint triangle) {
+    uint at = 3 * triangle;
+    return Triangle(corner(view, at), corner(view, at + 1), corner(view, at + 2));
+}
 
-// The face's own rows: above the horizon on the sides. Row 0 is at the top.
-int rows(uint view) { return int(view == 0 ? SIZE : SIZE / 2); }
+// The point of the face's plane at distance 1 in a texel's centre. Row 0 is at the top.
+vec2 texel_centre(ivec2 at) { return ((vec2(at) + 0.5) * (2.0 / float(SIZE)) - 1.0) * vec2(1.0, -1.0); }
+
+// The face's own rows: above the horizon on the sides.
+int rows(uint face) { return int(face == 0 ? SIZE : SIZE / 2); }
+
+Box whole(uint face) { return Box(ivec2(0), ivec2(int(SIZE), rows(face)) - 1); }
+
+// Texels whose centres lie within [least, most] of the plane at distance 1, or a hair beyond: rounding must not lose one.
+Box texels_within(uint face, vec2 least, vec2 most) {
+    vec2 from = (vec2(least.x, -most.y) + 1.0) * (0.5 * float(SIZE)) - 0.501;
+    vec2 to = (vec2(most.x, -least.y) + 1.0) * (0.5 * float(SIZE)) - 0.499;
+    Box all = whole(face);
+    return Box(max(all.low, ivec2(ceil(clamp(from, vec2(-1.0), vec2(float(SIZE)))))),
+               min(all.high, ivec2(floor(clamp(to, vec2(-1.0), vec2(float(SIZE)))))));
+}
 
 // Depth to key: steps of equal ratio over the range that matters, by the float's own bits.
 uint depth_key(float z) {
@@ -51,66 +78,110 @@ uint depth_key(float z) {
     return min(bits, (1u << 27) - 1) >> (ID_BITS - 5);
 }
 
-bool outside(Triangle t, uint view) {
+bool outside(Triangle t, uint face) {
     vec3 x = vec3(t.a.x, t.b.x, t.c.x), y = vec3(t.a.y, t.b.y, t.c.y), z = vec3(t.a.z, t.b.z, t.c.z);
-    bool below = view > 0 && all(lessThan(y, vec3(0.0)));
+    bool below = face > 0 && all(lessThan(y, vec3(0.0)));
     return below || all(lessThanEqual(z, vec3(0.0))) || all(greaterThan(x, z)) || all(lessThan(x, -z))
         || all(greaterThan(y, z)) || all(lessThan(y, -z));
 }
 
-void rasterise(uint view, Triangle t, uint triangle) {
-    if (outside(t, view)) return;
-    ivec2 low = ivec2(0), high = ivec2(int(SIZE), rows(view)) - 1;
-    if (min(t.a.z, min(t.b.z, t.c.z)) > 0.0) {
-        vec2 a = t.a.xy / t.a.z, b = t.b.xy / t.b.z, c = t.c.xy / t.c.z;
-        vec2 least = min(a, min(b, c)), most = max(a, max(b, c));
-        // Row 0 is at y = +1. A hair wider than the bounds: rounding must not lose a centre.
-        vec2 from = (vec2(least.x, -most.y) + 1.0) * (0.5 * float(SIZE)) - 0.501;
-        vec2 to = (vec2(most.x, -least.y) + 1.0) * (0.5 * float(SIZE)) - 0.499;
-        low = max(low, ivec2(ceil(clamp(from, vec2(-1.0), vec2(float(SIZE))))));
-        high = min(high, ivec2(floor(clamp(to, vec2(-1.0), vec2(float(SIZE))))));
-    }
-    if (any(greaterThan(low, high))) return;
+Box bounds(Triangle t, uint face) {
+    if (outside(t, face)) return Box(ivec2(0), ivec2(-1));
+    if (min(t.a.z, min(t.b.z, t.c.z)) <= 0.0) return whole(face);
+    vec2 a = t.a.xy / t.a.z, b = t.b.xy / t.b.z, c = t.c.xy / t.c.z;
+    return texels_within(face, min(a, min(b, c)), max(a, max(b, c)));
+}
+
+// One loop over the box, not one in another: side by side, invocations wait for the largest box alone.
+void rasterise(Triangle t, Box box, uint id) {
     // Signed volumes of the direction with each edge; each is exactly the negative of its neighbour's.
     precise vec3 ea = cross(t.b, t.c), eb = cross(t.c, t.a), ec = cross(t.a, t.b);
     vec3 normal = ea + eb + ec;
     float volume = dot(t.a, ea);
-    for (int y = low.y; y <= high.y; ++y) {
-        for (int x = low.x; x <= high.x; ++x) {
-            vec2 p = texel_centre(ivec2(x, y)) * vec2(1.0, -1.0);
-            precise vec3 side = vec3(ea.x * p.x + ea.y * p.y + ea.z, eb.x * p.x + eb.y * p.y + eb.z,
-                                     ec.x * p.x + ec.y * p.y + ec.z);
-            bool inside = all(greaterThanEqual(side, vec3(0.0))) || all(lessThanEqual(side, vec3(0.0)));
-            if (!inside) continue;
-            float z = volume / dot(normal, vec3(p, 1.0));
-            if (z > 0.0) atomicMin(keys[y * int(SIZE) + x], (depth_key(z) << ID_BITS) | triangle);
-        }
+    if (box.low.x > box.high.x) box.high.y = -1;
+    for (ivec2 at = box.low; at.y <= box.high.y;) {
+        vec2 p = texel_centre(at);
+        precise vec3 side = vec3(ea.x * p.x + ea.y * p.y + ea.z, eb.x * p.x + eb.y * p.y + eb.z,
+                                 ec.x * p.x + ec.y * p.y + ec.z);
+        bool inside = all(greaterThanEqual(side, vec3(0.0))) || all(lessThanEqual(side, vec3(0.0)));
+        float z = volume / dot(normal, vec3(p, 1.0));
+        if (inside && z > 0.0) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z) << ID_BITS) | id);
+        bool ends = at.x == box.high.x;
+        at = ivec2(ends ? box.low.x : at.x + 1, ends ? at.y + 1 : at.y);
     }
 }
 
-bool sees(uint view, mat3 axes, Frame frame, vec4 sphere) {
-    float r = sphere.w;
-    if (dot(frame.horizon.xyz, sphere.xyz) + frame.horizon.w < -r) return false;
-    vec3 f = axes * (sphere.xyz - frame.origin.xyz);
-    return (view == 0 || f.y >= -r) && f.z - max(abs(f.x), abs(f.y)) >= -1.41421357 * r;
+// Number of the triangle that a texel sees, plus 1; 0 for none.
+uint triangle_at(uint i, uint first) {
+    if (keys[i] == NOTHING) return 0;
+    uint entry = (keys[i] >> PLACE_BITS) & ((1 << ENTRY_BITS) - 1), place = keys[i] & (THREADS - 1);
+    return entry == 0 ? seen[first + i].x : list[entry - 1] * THREADS + place + 1;
 }
 
-void write_seen(uint record, uint view, mat3 axes, Frame frame) {
-    uint texels = SIZE * rows(view);
-    uint first = record * push.texel_count + (view == 0 ? 0 : SIZE * SIZE + (view - 1) * (SIZE * SIZE / 2));
+// Makes the list free: writes what texels see so far to `seen`.
+void retire(uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
-        uint key = keys[i];
-        vec2 p = texel_centre(ivec2(i % SIZE, i / SIZE)) * vec2(1.0, -1.0);
-        vec3 direction = to_world(frame, face_direction(view, p));
+        if (keys[i] == NOTHING) continue;
+        seen[first + i].x = triangle_at(i, first);
+        keys[i] = keys[i] >> ID_BITS << ID_BITS;
+    }
+}
+
+// Lists the clusters whose bits are set in WORDS words from `start` on; returns how many.
+uint list_clusters(uint start) {
+    uint me = gl_LocalInvocationID.x;
+    bool mine = me < WORDS && start + me < push.word_count;
+    uint bits = mine ? visible[gl_WorkGroupID.x * push.word_count + start + me] : 0;
+    counts[me] = bitCount(bits);
+    barrier();
+    uint entry = 0, all = 0;
+    for (uint i = 0; i < WORDS; ++i) {
+        entry += i < me ? counts[i] : 0;
+        all += counts[i];
+    }
+    for (; bits != 0; bits &= bits - 1) list[entry++] = 32 * (start + me) + findLSB(bits);
+    barrier();
+    return all;
+}
+
+void draw(View view, uint texels, uint first) {
+    uint me = gl_LocalInvocationID.x;
+    for (uint start = 0; start < push.word_count; start += WORDS) {
+        if (start > 0) retire(texels, first);
+        barrier();
+        uint listed = list_clusters(start);
+        for (uint entry = 0; entry < listed; ++entry) {
+            uint triangle = list[entry] * THREADS + me;
+            Triangle t = load(view, min(triangle, push.triangle_count - 1));
+            if (triangle < push.triangle_count) rasterise(t, bounds(t, view.face), (entry + 1) << PLACE_BITS | me);
+        }
+        barrier();
+    }
+}
+
+void clear(View view, uint texels, uint first) {
+    for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
+        vec3 direction = to_world(view.frame, face_direction(view.face, texel_centre(ivec2(i % SIZE, i / SIZE))));
+        bool above = dot(direction, view.frame.horizon.xyz) > 0.0;
+        // Below the horizon nothing is nearer than the nothing that is there already.
+        keys[i] = above ? NOTHING : 0;
+        if (!above) seen[first + i].x = 0;
+    }
+}
+
+void write_seen(View view, uint texels, uint first) {
+    for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         uvec2 result = uvec2(0);
-        if (key != NOTHING && dot(direction, frame.horizon.xyz) > 0.0) {
-            uint triangle = key & ((1u << ID_BITS) - 1);
-            Triangle t = load(axes, frame.origin.xyz, triangle);
+        uint triangle = triangle_at(i, first);
+        if (triangle != 0) {
+            vec2 p = texel_centre(ivec2(i % SIZE, i / SIZE));
+            Triangle t = load(view, triangle - 1);
             vec3 normal = cross(t.b - t.a, t.c - t.a);
             float volume = dot(t.a, normal);
             float inverse_z = dot(normal, vec3(p, 1.0)) / volume;
+            uint name = floatBitsToUint(texelFetch(corners, int(3 * triangle - 3)).w) + 1;
             // Faces are mirrored: what shows its front has a positive volume in the world and a negative one here.
-            result = uvec2((triangle + 1) | (volume < 0.0 ? 0x80000000u : 0),
+            result = uvec2(name | (volume < 0.0 ? 0x80000000u : 0),
                            floatBitsToUint(max(inverse_z, 0.0) * inversesqrt(1.0 + dot(p, p))));
         }
         seen[first + i] = result;
@@ -118,25 +189,12 @@ void write_seen(uint record, uint view, mat3 axes, Frame frame) {
 }
 
 void main() {
-    uint me = gl_LocalInvocationID.x;
-    uint record = gl_WorkGroupID.x / 5, view = gl_WorkGroupID.x % 5;
-    Frame frame = frames[record];
-    mat3 axes = face_axes(view, frame);
-    for (uint i = me; i < SIZE * SIZE; i += THREADS) keys[i] = NOTHING;
-    for (uint start = 0; start < push.cluster_count; start += THREADS) {
-        barrier();
-        if (me < 2) visible[me] = 0;
-        barrier();
-        if (start + me < push.cluster_count && sees(view, axes, frame, clusters[start + me]))
-            atomicOr(visible[me / 32], 1u << (me % 32));
-        barrier();
-        for (uint half_ = 0; half_ < 2; ++half_) {
-            for (uint bits = visible[half_]; bits != 0; bits &= bits - 1) {
-                uint triangle = (start + 32 * half_ + findLSB(bits)) * THREADS + me;
-                if (triangle < push.triangle_count) rasterise(view, load(axes, frame.origin.xyz, triangle), triangle);
-            }
-        }
-    }
+    uint record = gl_WorkGroupID.x / 5, face = gl_WorkGroupID.x % 5;
+    View view = View(face, face_axes(face, frames[record]), frames[record]);
+    uint texels = SIZE * rows(face);
+    uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * SIZE + (face - 1) * (SIZE * SIZE / 2));
+    clear(view, texels, first);
     barrier();
-    write_seen(record, view, axes, frame);
+    draw(view, texels, first);
+    write_seen(view, texels, first);
 }

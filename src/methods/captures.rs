@@ -4,6 +4,7 @@ use super::Ground;
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::CaptureCompute;
+use crate::passes::find_clusters::FindClusters;
 use crate::passes::integrate::{Captured, CapturedBy};
 use crate::scene::{Part, Scene};
 use crate::vk::pass::Recording;
@@ -18,6 +19,9 @@ pub const LIFT: f32 = 4e-6;
 /// wherever the near plane is: at 2⁻⁴⁰, far below the last place of any position, no corner of a wall beside a record is
 /// cut off.
 pub const NEAR: f32 = 1.0 / (1_u64 << 40) as f32;
+
+/// Memory of a batch's texels.
+const BATCH_BYTES: u64 = 64 << 20;
 
 /// How records look at the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,7 +101,11 @@ impl Captures {
         let views = views(projection);
         let capacity = batch_size(size, views);
         if in_compute {
-            let by = By::Compute(Box::new(CaptureCompute::new(device, geometry, size, capacity)?));
+            let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
+            // At most as much again for the bits of visible clusters.
+            let by_bits = (BATCH_BYTES / FindClusters::bytes_per_frame(tree).max(1)).max(1);
+            let capacity = capacity.min(by_bits.min(u64::from(u32::MAX)) as u32);
+            let by = By::Compute(Box::new(CaptureCompute::new(device, geometry, tree, size, capacity)?));
             return Ok(Self { by, projection, size, capacity });
         }
         let desc = CaptureDesc {
@@ -141,10 +149,16 @@ impl Captures {
     /// Captures the first `count` frames.
     pub fn record(&self, recording: &mut Recording<'_>, ground: &Ground<'_>, count: u32) -> Result<()> {
         match &self.by {
-            By::Compute(capture) => recording.pass("capture_compute", |c| {
-                capture.record(c, count);
-                Ok(())
-            }),
+            By::Compute(capture) => {
+                recording.pass("find_clusters", |c| {
+                    capture.record_find(c, count);
+                    Ok(())
+                })?;
+                recording.pass("capture_compute", |c| {
+                    capture.record(c, count);
+                    Ok(())
+                })
+            }
             By::Render(capture) => {
                 if capture.is_culled() {
                     recording.pass("cull", |c| {
@@ -169,12 +183,12 @@ fn views(projection: Projection) -> Views {
     }
 }
 
-/// Frames of a batch: about 64 MB of texels with all that goes with them.
+/// Frames of a batch: about [`BATCH_BYTES`] of texels with all that goes with them.
 fn batch_size(size: u32, views: Views) -> u32 {
     // Identity and depth a view, radiance, the sky's and the plane a texel above the horizon.
     let bytes = match views.count() {
         1 => 8 + 32,
         count => count * 8 + 3 * 32,
     };
-    ((64 << 20) / (size * size * bytes)).clamp(1, 1024)
+    (BATCH_BYTES as u32 / (size * size * bytes)).clamp(1, 1024)
 }

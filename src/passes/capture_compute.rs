@@ -1,9 +1,10 @@
 //! The fused capture: hemicubes rasterised in compute, in shared memory.
 //!
 //! The same texels as [`super::capture`] sees, within the rasterisation rules: texels whose centre lies on an edge may fall
-//! to either side, and of two surfaces whose distances differ by less than one step of the key either may be seen
-//! (2^−(22 − bits of a triangle's number) of the distance: 1/32 % for 131,072 triangles).
+//! to either side, and of two surfaces whose distances differ by less than 2⁻¹¹ of the distance either may be seen.
 
+use super::cluster_tree::ClusterTree;
+use super::find_clusters::FindClusters;
 use super::geometry::{CLUSTER, Geometry};
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
@@ -12,22 +13,23 @@ use crate::vk::{
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
+/// Words of clusters' bits that are listed at once (`WORDS` of the shader).
+const LISTED_WORDS: u32 = 63;
 /// Nearest depth that is told from nearer ones, relative to the scene's size: 16 octaves down from four times its radius.
 const NEAREST: f32 = 4.0 / 65536.0;
-/// Most bits of a triangle's number, so that depth keeps 2¹¹ steps an octave at least.
-const MOST_ID_BITS: u32 = 19;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
-    cluster_count: u32,
-    triangle_count: u32,
     nearest: f32,
+    word_count: u32,
+    triangle_count: u32,
     texel_count: u32,
 }
 
 /// The pass.
 pub struct CaptureCompute {
+    find: FindClusters,
     pipeline: ComputePipeline,
     set: DescriptorSet,
     push: Push,
@@ -40,41 +42,56 @@ pub struct CaptureCompute {
 
 impl CaptureCompute {
     /// What keeps hemicubes of `size` texels a side in a scene of so many triangles from fitting, if something does: a
-    /// face must fit into shared memory, a triangle's number beside its depth. (Alpha masks are not tested here: the plan
-    /// knows of them.)
+    /// face must fit into shared memory, the corners into a buffer. (Alpha masks are not tested here: the plan knows of
+    /// them.)
     pub fn misfit(device: &Device, triangles: usize, size: u32) -> Option<String> {
-        let (shared, most) = (size * size * 4 + 8, device.capabilities.limits.max_compute_shared_memory_size);
-        if shared > most {
+        let most = device.capabilities.limits.max_compute_shared_memory_size;
+        if shared_bytes(size) > most {
             return Some(format!("a face of {size} × {size} texels does not fit into {most} bytes of shared memory"));
         }
-        let too_many = id_bits(triangles as u32) > MOST_ID_BITS;
-        too_many.then(|| format!("{triangles} triangles are more than a texel's key can number: 2^{MOST_ID_BITS}"))
+        let too_many = !ClusterTree::holds(device, triangles);
+        too_many.then(|| format!("the corners of {triangles} triangles do not fit into a texel buffer of the device"))
     }
 
-    /// Captures up to `capacity` hemicubes of `size` texels a side.
-    pub fn new(device: &Arc<Device>, geometry: &Geometry, size: u32, capacity: u32) -> Result<Self> {
+    /// Captures up to `capacity` hemicubes of `size` texels a side, of the triangles in `tree`.
+    pub fn new(
+        device: &Arc<Device>,
+        geometry: &Geometry,
+        tree: &ClusterTree,
+        size: u32,
+        capacity: u32,
+    ) -> Result<Self> {
         let texel_count = 3 * size * size;
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
         let frames = Buffer::new(device, "capture frames", frames, Memory::Device)?;
         let seen = Buffer::new(device, "capture", u64::from(capacity * texel_count) * 8, Memory::Device)?;
-        let corners = geometry.corners.as_ref().expect("geometry was made for captures in compute");
-        let bindings = [&frames, &geometry.clusters, corners, &seen].map(Binding::Storage);
+        let find = FindClusters::new(device, tree, &frames, size, capacity)?;
+        let bindings = [
+            Binding::Storage(&frames),
+            Binding::Storage(&find.visible),
+            Binding::TexelBuffer(&tree.corners),
+            Binding::Storage(&seen),
+        ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let constants = Specialisation(vec![size, id_bits(geometry.triangle_count)]);
         let code = spirv!("capture_compute", "capture_compute.comp");
         let push = Push {
-            cluster_count: geometry.cluster_count,
-            triangle_count: geometry.triangle_count,
             nearest: geometry.radius * NEAREST,
+            word_count: FindClusters::words(tree),
+            triangle_count: geometry.triangle_count,
             texel_count,
         };
-        let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
-        Ok(Self { pipeline, set, push, frames, seen, _layout: layout })
+        let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &Specialisation(vec![size]))?;
+        Ok(Self { find, pipeline, set, push, frames, seen, _layout: layout })
     }
 
-    /// Captures the first `count` frames.
+    /// Finds the clusters that the first `count` frames see.
+    pub fn record_find(&self, commands: &Commands, count: u32) {
+        self.find.record(commands, count);
+    }
+
+    /// Captures the first `count` frames, after [`Self::record_find`].
     pub fn record(&self, commands: &Commands, count: u32) {
         self.pipeline.bind(commands, &[&self.set]);
         self.pipeline.layout.push(commands, &self.push);
@@ -82,8 +99,7 @@ impl CaptureCompute {
     }
 }
 
-/// Bits that number every triangle; at least 5, so that depth takes the other 27.
-fn id_bits(triangles: u32) -> u32 {
-    const { assert!(CLUSTER == 64, "a workgroup takes a cluster") };
-    (u32::BITS - triangles.leading_zeros()).max(5)
+/// Shared memory of a workgroup: keys, and the list of clusters with the counts that order it.
+fn shared_bytes(size: u32) -> u32 {
+    4 * (size * size + LISTED_WORDS * u32::BITS + CLUSTER)
 }

@@ -1,5 +1,6 @@
 //! The scene's geometry on the GPU: vertex streams, triangles in an order made for culling, clusters, surface cells.
 
+use super::cluster_tree::ClusterTree;
 use crate::math::adjacency;
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
@@ -70,10 +71,12 @@ pub struct Geometry {
     pub cell_triangle: Buffer,
     /// Radiance to front and back of each cell, six floats.
     pub cell_radiance: Buffer,
-    /// Three corners a triangle, without sharing, where captures ask for it.
-    pub corners: Option<Buffer>,
-    /// Indices 0, 1, 2, … of the corners, for devices that cannot tell a shared vertex's triangle.
+    /// Three corners a triangle, without sharing, for devices that cannot tell a shared vertex's triangle.
+    corners: Option<Buffer>,
+    /// Indices 0, 1, 2, … of these corners.
     corner_indices: Option<Buffer>,
+    /// The tree that captures in compute walk.
+    pub tree: Option<ClusterTree>,
     /// Vertex positions.
     pub positions: Buffer,
     /// Triangle corners.
@@ -86,7 +89,7 @@ pub struct Geometry {
 impl Geometry {
     /// Uploads `scene`, its surface cut into about `cells` cells.
     ///
-    /// `compute_captures`: hemicubes are rasterised in compute, which reads corners without sharing.
+    /// `compute_captures`: hemicubes are rasterised in compute, from a tree of clusters.
     pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32, compute_captures: bool) -> Result<Self> {
         let order = Order::new(scene);
         let triangles = &order.triangles;
@@ -123,9 +126,7 @@ impl Geometry {
         let set = DescriptorSet::new(&set_layout, &bindings)?;
         let unshared = !device.capabilities.primitive_id;
         let corners = || triangles.iter().flatten().map(|v| positions[*v as usize]).collect::<Vec<_>>();
-        let corners = (unshared || compute_captures)
-            .then(|| Buffer::with_data(device, "capture corners", &corners()))
-            .transpose()?;
+        let corners = unshared.then(|| Buffer::with_data(device, "capture corners", &corners())).transpose()?;
         let counting = || (0..3 * triangles.len() as u32).collect::<Vec<u32>>();
         let corner_indices = unshared.then(|| Buffer::with_data(device, "capture corners", &counting())).transpose()?;
         let bounds = bounds(&scene.positions);
@@ -148,6 +149,7 @@ impl Geometry {
             cell_radiance: Buffer::new(device, "surface radiance", u64::from(cell_count) * 24, Memory::Device)?,
             corners,
             corner_indices,
+            tree: compute_captures.then(|| ClusterTree::new(device, scene, triangles)).transpose()?,
             positions: positions_buffer,
             indices,
             _normals: normals,

@@ -6,7 +6,9 @@
 pub mod capture;
 pub mod capture_compute;
 pub mod clamp_records;
+pub mod cluster_tree;
 pub mod cull;
+pub mod find_clusters;
 pub mod find_uncovered;
 pub mod gbuffer;
 pub mod geometry;

@@ -102,7 +102,10 @@ impl Plan {
     /// How records look at the scene, and what that leaves out.
     fn capture_parts(&mut self, against_compute: Option<String>) {
         self.part("capture", against_compute.is_some(), "captures are rasterised in compute");
-        self.part("capture_compute", against_compute.is_none(), against_compute.unwrap_or_default());
+        let why = against_compute.unwrap_or_default();
+        for pass in ["find_clusters", "capture_compute"] {
+            self.part(pass, why.is_empty(), why.clone());
+        }
     }
 
     /// Notes `part` as run or left out; returns whether it runs.

@@ -169,6 +169,28 @@ impl Builder {
     }
 }
 
+/// `scene`, which has positions and normals alone, with every triangle cut into 4^`levels` equal ones.
+pub fn tessellated(scene: &Scene, levels: u32) -> Scene {
+    let mut fine = scene.clone();
+    for _ in 0..levels {
+        let coarse = std::mem::take(&mut fine.triangles);
+        for [a, b, c] in coarse {
+            let mut middle = |i: u32, j: u32| {
+                fine.positions.push((fine.positions[i as usize] + fine.positions[j as usize]) * 0.5);
+                fine.normals.push((fine.normals[i as usize] + fine.normals[j as usize]).normalize());
+                fine.positions.len() as u32 - 1
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            fine.triangles.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+    }
+    for part in &mut fine.parts {
+        part.first_triangle <<= 2 * levels;
+        part.triangle_count <<= 2 * levels;
+    }
+    fine
+}
+
 /// Direction of growing u, right-handed with v.
 fn tangent([a, b, c]: [Corner; 3]) -> Vec4 {
     let (e, f) = (b.position - a.position, c.position - a.position);

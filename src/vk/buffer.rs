@@ -31,9 +31,8 @@ pub struct Buffer {
 }
 
 impl Buffer {
-    /// A buffer of `size` bytes for storage, transfer, vertex, index and indirect use.
+    /// A buffer of `size` bytes for storage, texel, transfer, vertex, index and indirect use.
     pub fn new(device: &Arc<Device>, used_for: &'static str, size: u64, memory: Memory) -> Result<Self> {
-        let size = size.max(16);
         let limit = u64::from(device.capabilities.limits.max_storage_buffer_range);
         if memory == Memory::Device && size > limit {
             return Err(Error::Limit {
@@ -42,6 +41,12 @@ impl Buffer {
                 limit: format!("{limit} bytes (maxStorageBufferRange)"),
             });
         }
+        Self::unlimited(device, used_for, size, memory)
+    }
+
+    /// The same beyond the limit of storage buffers, for other uses.
+    pub(super) fn unlimited(device: &Arc<Device>, used_for: &'static str, size: u64, memory: Memory) -> Result<Self> {
+        let size = size.max(16);
         let usage = match memory {
             Memory::Device => {
                 vk::BufferUsageFlags::STORAGE_BUFFER
@@ -50,6 +55,7 @@ impl Buffer {
                     | vk::BufferUsageFlags::VERTEX_BUFFER
                     | vk::BufferUsageFlags::INDEX_BUFFER
                     | vk::BufferUsageFlags::INDIRECT_BUFFER
+                    | vk::BufferUsageFlags::UNIFORM_TEXEL_BUFFER
             }
             Memory::Upload => vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::STORAGE_BUFFER,
             Memory::Readback => vk::BufferUsageFlags::TRANSFER_DST,

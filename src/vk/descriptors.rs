@@ -4,6 +4,7 @@ use super::buffer::Buffer;
 use super::device::Device;
 use super::error::{Context, Result};
 use super::image::Image;
+use super::texel_buffer::TexelBuffer;
 use ash::vk;
 use std::sync::Arc;
 
@@ -12,6 +13,8 @@ use std::sync::Arc;
 pub enum Binding<'a> {
     /// A storage buffer, whole.
     Storage(&'a Buffer),
+    /// A buffer read by `texelFetch`.
+    TexelBuffer(&'a TexelBuffer),
     /// An image read by `texelFetch`; depth images are expected in the depth read-only layout.
     Texels(&'a Image),
     /// An image read through a sampler.
@@ -22,6 +25,7 @@ impl Binding<'_> {
     fn kind(&self) -> vk::DescriptorType {
         match self {
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
+            Self::TexelBuffer(_) => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
             Self::Texels(_) => vk::DescriptorType::SAMPLED_IMAGE,
             Self::Sampled(..) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
         }
@@ -101,12 +105,17 @@ impl DescriptorSet {
     fn write(&self, index: u32, binding: &Binding<'_>) {
         let mut buffers = [vk::DescriptorBufferInfo::default().range(vk::WHOLE_SIZE)];
         let mut images = [vk::DescriptorImageInfo::default()];
+        let mut views = [vk::BufferView::null()];
         let write =
             vk::WriteDescriptorSet::default().dst_set(self.raw).dst_binding(index).descriptor_type(binding.kind());
         let write = match binding {
             Binding::Storage(buffer) => {
                 buffers[0].buffer = buffer.raw;
                 write.buffer_info(&buffers)
+            }
+            Binding::TexelBuffer(buffer) => {
+                views[0] = buffer.view;
+                write.texel_buffer_view(&views)
             }
             Binding::Texels(image) | Binding::Sampled(image, _) => {
                 images[0].image_view = image.view;

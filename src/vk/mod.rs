@@ -21,6 +21,7 @@ pub mod pass;
 mod pipeline;
 mod render_pass;
 mod shader;
+mod texel_buffer;
 mod timer;
 
 pub use buffer::{Buffer, Memory};
@@ -35,4 +36,5 @@ pub use pipeline::{ComputePipeline, GraphicsDesc, GraphicsPipeline, PipelineLayo
 pub use render_pass::{Attachment, Framebuffer, Load, RenderPass, RenderPassDesc};
 pub use shader::Specialisation;
 pub(crate) use shader::spirv;
+pub use texel_buffer::TexelBuffer;
 pub use timer::Span;

@@ -1,0 +1,48 @@
+//! Buffers read through a format, four floats at a time: the path that drivers make fastest for what is only read.
+
+use super::buffer::{Buffer, Memory};
+use super::device::Device;
+use super::error::{Context, Error, Result};
+use ash::vk;
+use bytemuck::Pod;
+use std::sync::Arc;
+
+/// A device buffer of `vec4`s with a view for `texelFetch`.
+pub struct TexelBuffer {
+    pub(super) view: vk::BufferView,
+    _buffer: Buffer,
+    device: Arc<Device>,
+}
+
+impl TexelBuffer {
+    /// A buffer that holds `data`, a whole number of `vec4`s; waits for the copy.
+    pub fn with_data<T: Pod>(device: &Arc<Device>, used_for: &'static str, data: &[T]) -> Result<Self> {
+        const TEXEL: u64 = size_of::<[f32; 4]>() as u64;
+        let size = (size_of_val(data) as u64).max(TEXEL);
+        let limit = device.capabilities.limits.max_texel_buffer_elements;
+        if size / TEXEL > u64::from(limit) {
+            return Err(Error::Limit {
+                object: used_for.into(),
+                needed: format!("a buffer of {} texels", size / TEXEL),
+                limit: format!("{limit} texels (maxTexelBufferElements)"),
+            });
+        }
+        let buffer = Buffer::unlimited(device, used_for, size, Memory::Device)?;
+        buffer.upload(data)?;
+        let info = vk::BufferViewCreateInfo::default()
+            .buffer(buffer.raw)
+            .format(vk::Format::R32G32B32A32_SFLOAT)
+            .range(vk::WHOLE_SIZE);
+        // SAFETY: the buffer is alive, made for this use, and of a format that every device reads so.
+        let view = unsafe { device.raw.create_buffer_view(&info, None) }.during("creating a buffer view")?;
+        device.name(view, used_for);
+        Ok(Self { view, _buffer: buffer, device: device.clone() })
+    }
+}
+
+impl Drop for TexelBuffer {
+    fn drop(&mut self) {
+        // SAFETY: every submission that read the buffer has been waited for.
+        unsafe { self.device.raw.destroy_buffer_view(self.view, None) };
+    }
+}
