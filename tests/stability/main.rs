@@ -13,7 +13,7 @@ use hemicube::methods::captures::CaptureMode;
 use hemicube::report::stability::{Bench, GROUPS, Row, closed_forms, evaluate};
 
 /// Runs `measure` on the shared device; a validation message fails the test.
-fn checked(measure: impl Fn(&Bench) -> Vec<Row>) {
+fn checked(measure: impl Fn(&Bench) -> Vec<Row>) -> Vec<Row> {
     let device = gpu();
     let before = device.instance.validation_messages();
     let rows = measure(&Bench { device: device.clone(), capture: CaptureMode::Auto });
@@ -30,6 +30,7 @@ fn checked(measure: impl Fn(&Bench) -> Vec<Row>) {
     let failed: Vec<_> =
         rows.iter().filter(|row| !row.holds()).map(|r| format!("{}: {}", r.case, r.quantity)).collect();
     assert!(failed.is_empty(), "out of bounds: {failed:#?}");
+    rows
 }
 
 /// Errors above this at the coarsest capture are those of texels, not of facets or rounding.
@@ -37,25 +38,19 @@ const OF_TEXELS: f64 = 2e-3;
 
 fn case(name: &str) {
     let case = closed_forms().into_iter().find(|case| case.name == name).unwrap();
-    checked(|bench| {
-        let rows = evaluate(bench, &case).unwrap();
-        let texels = rows.iter().filter(|row| row.errors[0].1 > OF_TEXELS);
-        let orders: Vec<f64> = texels.filter_map(Row::order).collect();
-        if orders.len() > 2 {
-            let mean = orders.iter().sum::<f64>() / orders.len() as f64;
-            eprintln!(
-                "{name}: errors fall with the texel's width to the power {mean:.2} in the mean of {}",
-                orders.len()
-            );
-            assert!(mean > 1.0, "{name}: order {mean} of convergence");
-        }
-        rows
-    });
+    let rows = checked(|bench| evaluate(bench, &case).unwrap());
+    let texels = rows.iter().filter(|row| row.errors[0].1 > OF_TEXELS);
+    let orders: Vec<f64> = texels.filter_map(Row::order).collect();
+    if orders.len() > 2 {
+        let mean = orders.iter().sum::<f64>() / orders.len() as f64;
+        eprintln!("{name}: errors fall with the texel's width to the power {mean:.2} in the mean of {}", orders.len());
+        assert!(mean > 1.0, "{name}: order {mean} of convergence");
+    }
 }
 
 fn group(name: &str) {
     let (_, measure) = GROUPS.into_iter().find(|(group, _)| *group == name).unwrap();
-    checked(|bench| measure(bench).unwrap());
+    let _ = checked(|bench| measure(bench).unwrap());
 }
 
 macro_rules! rows {
