@@ -10,16 +10,16 @@ use crate::passes::gbuffer::GBuffer;
 use crate::passes::geometry::Geometry;
 use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits, Radius};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
-use crate::scene::{Material, Part, Scene};
+use crate::scene::Scene;
+use crate::scene::build::{Builder, Facing, diffuse};
 use crate::vk::gpu_types::{Frame, Payload, Record};
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Memory, Result};
 use glam::{Mat4, Vec3, Vec4};
-use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Rings of the sphere, and quads of each: 2 n (n − 1) triangles, 19,800.
-const RINGS: u32 = 100;
+/// Rings of the sphere, of twice as many quads each: 4 n (n − 1) triangles, 19,320.
+const RINGS: u32 = 70;
 /// Texels a side of a hemicube, as in the default settings.
 const CAPTURE_SIZE: u32 = 32;
 /// Hemicubes of a batch.
@@ -181,39 +181,8 @@ fn upwards() -> Frame {
 
 /// The unit sphere, facing in.
 fn sphere() -> Scene {
-    let (columns, grey) = (RINGS, Vec4::new(0.5, 0.5, 0.5, 1.0));
-    let at = |ring: u32, column: u32| {
-        let (theta, phi) = (PI * ring as f32 / RINGS as f32, TAU * column as f32 / columns as f32);
-        Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
-    };
-    let positions: Vec<Vec3> = (0..=RINGS).flat_map(|ring| (0..columns).map(move |column| at(ring, column))).collect();
-    let vertex = |ring: u32, column: u32| ring * columns + column % columns;
-    let quads = (0..RINGS).flat_map(|ring| (0..columns).map(move |column| (ring, column)));
-    let triangles: Vec<[u32; 3]> = quads
-        .flat_map(|(i, j)| {
-            let [a, b, c, d] = [vertex(i, j), vertex(i, j + 1), vertex(i + 1, j + 1), vertex(i + 1, j)];
-            [(i > 0).then_some([a, b, c]), (i + 1 < RINGS).then_some([a, c, d])]
-        })
-        .flatten()
-        .collect();
-    let material = Material {
-        name: "grey".into(),
-        base_color: grey,
-        base_texture: None,
-        normal_texture: None,
-        normal_scale: 1.0,
-        emission: Vec3::ZERO,
-        emission_texture: None,
-        alpha_cutoff: None,
-        double_sided: true,
-    };
-    Scene {
-        name: "sphere".into(),
-        normals: positions.iter().map(|p| -*p).collect(),
-        parts: vec![Part { material: 0, first_triangle: 0, triangle_count: triangles.len() as u32 }],
-        materials: vec![material],
-        positions,
-        triangles,
-        ..Scene::default()
-    }
+    let mut builder = Builder::default();
+    let grey = builder.material(diffuse(0.5));
+    builder.sphere(grey, Vec3::ZERO, 1.0, RINGS, Facing::In);
+    builder.build()
 }

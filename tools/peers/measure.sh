@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures what the readme says about error against time: two scenes, all methods and both peers, on this machine.
 #
-#   tools/peers/measure.sh DIR              about 17 minutes on two cores that have nothing else to do
+#   tools/peers/measure.sh DIR              some 20 minutes on two cores that have nothing else to do
 #   tools/peers/measure.sh DIR --readme     the same, then puts the tables and charts into README.md and assets/
 #   tools/peers/measure.sh DIR --try        a few points of Cornell, once each, to see that everything is there
 #
@@ -50,15 +50,14 @@ fi
 peers cornell "${usual[@]}" "${careful[@]}" --mitsuba '{"spp": 16}' --mitsuba '{"spp": 64}' --mitsuba '{"spp": 256}'
 ours cornell --spp 4,16,64,256
 
-# A point of Sponza takes ten times as long: each setting of splatting by itself at one accuracy, and fewer of the slow.
+# A point of Sponza takes ten times as long: once each, fewer of the slow, settings of splatting one at a time.
 peers sponza "${usual[@]}" --mitsuba '{"spp": 16}' --mitsuba '{"spp": 64}' --mitsuba '{"spp": 256}'
-ours sponza --methods splatting --accuracy 0.6,0.3,0.2
-ours sponza --methods splatting --accuracy 0.3 --capture-size 16,64
-ours sponza --methods splatting --accuracy 0.3 --gradients none
-ours sponza --methods splatting --accuracy 0.3 --capture hemicube,plane # a hemisphere would need Sponza cut small
-ours sponza --methods ward --accuracy 0.5,0.3 --rays 256
-ours sponza --methods ward --accuracy 0.3,0.2 --rays 1024
-ours sponza --methods path --spp 4,16,64
+splatting() { ours sponza --repeats 1 --methods splatting "$@"; }
+splatting --accuracy 0.6,0.3,0.2 --capture compute --capture-size 16,32 --gradients both
+splatting --accuracy 0.3 --capture hemicube,plane --capture-size 32 --gradients both
+splatting --accuracy 0.3 --capture compute --capture-size 32 --gradients none
+ours sponza --repeats 1 --methods ward --accuracy 0.3 --rays 256,1024
+ours sponza --repeats 1 --methods path --spp 4,16,64
 
 if [ "$what" = --readme ]; then
   for name in cornell sponza; do cp "$out/$name/error-cpu.svg" "assets/error-$name.svg"; done
