@@ -35,8 +35,7 @@ impl DirectLight {
     /// Builds the passes that `set` needs.
     ///
     /// `triangles`: as `Geometry::linked_triangles` makes them; `pixels` are the visible surfaces and the buffer of their
-    /// direct irradiance, four floats a pixel; `cells` says
-    /// whether captures will read the surface cells.
+    /// direct irradiance, four floats a pixel; `cells` says whether captures will read the surface cells.
     pub fn new(
         device: &Arc<Device>,
         set: LightSet,
