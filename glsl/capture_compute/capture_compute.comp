@@ -5,16 +5,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
+#include "inc/subdivision.glsl"
 #include "inc/views.glsl"
 const uint THREADS = 64;  // triangles of a cluster
 layout(local_size_x = THREADS) in;
 
 layout(constant_id = 0) const uint SIZE = 32;
+layout(constant_id = 1) const uint HAS_MASKS = 0;
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Visible { uint visible[]; };  // a bit a cluster, by frame and face
-layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w of the first: the geometry's triangle
+layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w: the geometry's triangle; its mask
 layout(set = 0, binding = 3, std430) buffer Seen { uvec2 seen[]; };  // identity, 1/distance
+layout(set = 0, binding = 4) uniform textureBuffer masks;  // bits, 128 a texel
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     uint word_count;
@@ -35,7 +38,8 @@ shared uint counts[THREADS];
 
 // A face of a record's hemicube.
 struct View { uint face; mat3 axes; Frame frame; };
-struct Triangle { vec3 a, b, c; };  // corners, in face coordinates
+// Corners, in face coordinates; of its alpha mask cells along a side, 0 without one, and the first texel.
+struct Triangle { vec3 a, b, c; uvec2 mask; };
 struct Box { ivec2 low, high; };    // texels, both ends included
 
 // Axes of a face: right, up, forward, as rows.
@@ -45,13 +49,12 @@ mat3 face_axes(uint face, Frame frame) {
     return columns * transpose(mat3(frame.tangent.xyz, frame.bitangent.xyz, frame.normal.xyz));
 }
 
-vec3 corner(View view, uint at) {
-    return view.axes * (texelFetch(corners, int(at)).xyz - view.frame.origin.xyz);
-}
+vec3 place(View view, vec4 corner) { return view.axes * (corner.xyz - view.frame.origin.xyz); }
 
 Triangle load(View view, uint triangle) {
-    uint at = 3 * triangle;
-    return Triangle(corner(view, at), corner(view, at + 1), corner(view, at + 2));
+    int at = int(3 * triangle);
+    vec4 a = texelFetch(corners, at), b = texelFetch(corners, at + 1), c = texelFetch(corners, at + 2);
+    return Triangle(place(view, a), place(view, b), place(view, c), floatBitsToUint(vec2(b.w, c.w)));
 }
 
 // The point of the face's plane at distance 1 in a texel's centre. Row 0 is at the top.
@@ -92,6 +95,13 @@ Box bounds(Triangle t, uint face) {
     return texels_within(face, min(a, min(b, c)), max(a, max(b, c)));
 }
 
+// Whether the surface is there at the point (1−u−v)·a + u·b + v·c.
+bool is_present(uvec2 mask, vec2 uv) {
+    uint cell = cell_at(max(mask.x, 1), uv);
+    uvec4 bits = floatBitsToUint(texelFetch(masks, int(mask.y + cell / 128)));
+    return mask.x == 0 || (bits[cell / 32 % 4] >> cell % 32 & 1) != 0;
+}
+
 // One loop over the box, not one in another: side by side, invocations wait for the largest box alone.
 void rasterise(Triangle t, Box box, uint id) {
     // Signed volumes of the direction with each edge; each is exactly the negative of its neighbour's.
@@ -104,8 +114,10 @@ void rasterise(Triangle t, Box box, uint id) {
         precise vec3 side = vec3(ea.x * p.x + ea.y * p.y + ea.z, eb.x * p.x + eb.y * p.y + eb.z,
                                  ec.x * p.x + ec.y * p.y + ec.z);
         bool inside = all(greaterThanEqual(side, vec3(0.0))) || all(lessThanEqual(side, vec3(0.0)));
-        float z = volume / dot(normal, vec3(p, 1.0));
-        if (inside && z > 0.0) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z) << ID_BITS) | id);
+        float sum = dot(normal, vec3(p, 1.0)), z = volume / sum;
+        bool drawn = inside && z > 0.0;
+        if (HAS_MASKS != 0) drawn = drawn && is_present(t.mask, side.yz / sum);
+        if (drawn) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z) << ID_BITS) | id);
         bool ends = at.x == box.high.x;
         at = ivec2(ends ? box.low.x : at.x + 1, ends ? at.y + 1 : at.y);
     }

@@ -6,7 +6,7 @@ use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::find_clusters::FindClusters;
 use crate::passes::integrate::{Captured, CapturedBy};
-use crate::scene::{Part, Scene};
+use crate::scene::Scene;
 use crate::vk::pass::Recording;
 use crate::vk::{Buffer, Device, Result};
 use std::sync::Arc;
@@ -60,14 +60,12 @@ impl CaptureMode {
 
     /// Why captures of `scene` at `size` texels a side do not run in compute; none if they are to and can.
     pub fn against_compute(self, device: &Device, scene: &Scene, size: u32) -> Option<String> {
-        let masked = |part: &Part| scene.materials[part.material as usize].alpha_cutoff.is_some();
         match self {
             Self::Auto if !device.is_cpu() => Some("the device is a GPU, which is faster by render passes".into()),
             Self::Hemicube => Some("hemicubes by render passes are asked for".into()),
             Self::Plane { .. } => Some("planes are captured by render passes".into()),
             Self::Hemisphere => Some("hemispheres are captured by render passes".into()),
-            _ if scene.parts.iter().any(masked) => Some("a material has an alpha mask".into()),
-            _ => CaptureCompute::misfit(device, scene.triangles.len(), size),
+            _ => CaptureCompute::misfit(device, scene, size),
         }
     }
 }

@@ -1,11 +1,14 @@
 //! The fused capture: hemicubes rasterised in compute, in shared memory.
 //!
 //! The same texels as [`super::capture`] sees, within the rasterisation rules: texels whose centre lies on an edge may fall
-//! to either side, and of two surfaces whose distances differ by less than 2⁻¹¹ of the distance either may be seen.
+//! to either side, and of two surfaces whose distances differ by less than 2⁻¹¹ of the distance either may be seen. Alpha
+//! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
+//! or a 64th of the triangle's side.
 
 use super::cluster_tree::ClusterTree;
 use super::find_clusters::FindClusters;
 use super::geometry::{CLUSTER, Geometry};
+use crate::scene::Scene;
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
     Specialisation, gpu_types::Frame, spirv,
@@ -41,16 +44,17 @@ pub struct CaptureCompute {
 }
 
 impl CaptureCompute {
-    /// What keeps hemicubes of `size` texels a side in a scene of so many triangles from fitting, if something does: a
-    /// face must fit into shared memory, the corners into a buffer. (Alpha masks are not tested here: the plan knows of
-    /// them.)
-    pub fn misfit(device: &Device, triangles: usize, size: u32) -> Option<String> {
+    /// What keeps hemicubes of `size` texels a side in `scene` from fitting, if something does: a face must fit into
+    /// shared memory, the corners into a buffer, the alpha masks into their budget.
+    pub fn misfit(device: &Device, scene: &Scene, size: u32) -> Option<String> {
+        let triangles = scene.triangles.len();
         let most = device.capabilities.limits.max_compute_shared_memory_size;
         if shared_bytes(size) > most {
             return Some(format!("a face of {size} × {size} texels does not fit into {most} bytes of shared memory"));
         }
         let too_many = !ClusterTree::holds(device, triangles);
-        too_many.then(|| format!("the corners of {triangles} triangles do not fit into a texel buffer of the device"))
+        let corners = || format!("the corners of {triangles} triangles do not fit into a texel buffer of the device");
+        too_many.then(corners).or_else(|| scene.too_many_masked())
     }
 
     /// Captures up to `capacity` hemicubes of `size` texels a side, of the triangles in `tree`.
@@ -71,6 +75,8 @@ impl CaptureCompute {
             Binding::Storage(&find.visible),
             Binding::TexelBuffer(&tree.corners),
             Binding::Storage(&seen),
+            // Without masks never read.
+            Binding::TexelBuffer(tree.masks.as_ref().unwrap_or(&tree.corners)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
@@ -82,7 +88,8 @@ impl CaptureCompute {
             triangle_count: geometry.triangle_count,
             texel_count,
         };
-        let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &Specialisation(vec![size]))?;
+        let constants = Specialisation(vec![size, u32::from(tree.masks.is_some())]);
+        let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
         Ok(Self { find, pipeline, set, push, frames, seen, _layout: layout })
     }
 

@@ -2,7 +2,8 @@
 //! clusters, each with its box.
 
 use super::geometry::CLUSTER;
-use crate::scene::Scene;
+use crate::scene::opacity::Mask;
+use crate::scene::{Part, Scene};
 use crate::vk::{Device, Result, TexelBuffer};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
@@ -24,8 +25,11 @@ pub struct ClusterTree {
     pub groups: TexelBuffer,
     /// Boxes of the clusters, likewise.
     pub clusters: TexelBuffer,
-    /// Three corners a triangle, in the order of the clusters; w of the first: its number in the geometry's order (bits).
+    /// Three corners a triangle, in the order of the clusters; w (bits): its number in the geometry's order, then its
+    /// alpha mask.
     pub corners: TexelBuffer,
+    /// Bits of alpha masks, where the scene has some.
+    pub masks: Option<TexelBuffer>,
 }
 
 impl ClusterTree {
@@ -34,25 +38,29 @@ impl ClusterTree {
         triangles as u64 * CORNERS <= u64::from(device.capabilities.limits.max_texel_buffer_elements)
     }
 
-    /// Orders `triangles` of `scene`.
-    pub fn new(device: &Arc<Device>, scene: &Scene, triangles: &[[u32; 3]]) -> Result<Self> {
+    /// Orders `triangles` of `scene`, which `parts` give materials to.
+    pub fn new(device: &Arc<Device>, scene: &Scene, triangles: &[[u32; 3]], parts: &[Part]) -> Result<Self> {
         let corners = |t: &[u32; 3]| t.map(|v| scene.positions[v as usize]);
         let boxes: Vec<_> = triangles.iter().map(|t| Bounds::of(&corners(t))).collect();
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         sort(&boxes, &mut order);
         let bounds = |size| order.chunks(size).map(|piece| Bounds::around(&boxes, piece)).collect::<Vec<_>>();
         let (groups, clusters) = (bounds(GROUP * CLUSTER as usize), bounds(CLUSTER as usize));
+        let opacity = scene.opacity(triangles, parts);
         let named = |t: &u32| {
             let [a, b, c] = corners(&triangles[*t as usize]);
-            [a.extend(f32::from_bits(*t)), b.extend(0.0), c.extend(0.0)]
+            let Mask { n, first } = opacity.masks[*t as usize];
+            [a.extend(f32::from_bits(*t)), b.extend(f32::from_bits(n)), c.extend(f32::from_bits(first))]
         };
         let corners: Vec<_> = order.iter().map(named).collect();
+        let masks = || TexelBuffer::with_data(device, "alpha masks", &opacity.words);
         Ok(Self {
             group_count: groups.len() as u32,
             cluster_count: clusters.len() as u32,
             groups: TexelBuffer::with_data(device, "cluster bounds", &groups)?,
             clusters: TexelBuffer::with_data(device, "cluster bounds", &clusters)?,
             corners: TexelBuffer::with_data(device, "capture corners", &corners)?,
+            masks: (!opacity.words.is_empty()).then(masks).transpose()?,
         })
     }
 }

@@ -129,6 +129,8 @@ impl Geometry {
         let corners = unshared.then(|| Buffer::with_data(device, "capture corners", &corners())).transpose()?;
         let counting = || (0..3 * triangles.len() as u32).collect::<Vec<u32>>();
         let corner_indices = unshared.then(|| Buffer::with_data(device, "capture corners", &counting())).transpose()?;
+        let tree = || ClusterTree::new(device, scene, triangles, &order.parts);
+        let tree = compute_captures.then(tree).transpose()?;
         let bounds = bounds(&scene.positions);
         let cell_count = cell_triangle.len() as u32;
         Ok(Self {
@@ -149,7 +151,7 @@ impl Geometry {
             cell_radiance: Buffer::new(device, "surface radiance", u64::from(cell_count) * 24, Memory::Device)?,
             corners,
             corner_indices,
-            tree: compute_captures.then(|| ClusterTree::new(device, scene, triangles)).transpose()?,
+            tree,
             positions: positions_buffer,
             indices,
             _normals: normals,

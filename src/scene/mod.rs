@@ -13,6 +13,7 @@ mod cornell;
 mod error;
 mod gltf;
 pub mod load;
+pub mod opacity;
 mod sample;
 mod tessellate;
 

@@ -157,8 +157,13 @@ impl Scene {
     /// Whether the surface is there at a point of a triangle: false where its alpha mask cuts it away.
     pub fn is_present(&self, triangle: u32, barycentrics: Vec2) -> bool {
         let material = &self.materials[self.material_of(triangle) as usize];
-        let place = || Place::new(self, triangle, barycentrics);
-        material.alpha_cutoff.is_none_or(|cutoff| self.base_color(material, &place()).w >= cutoff)
+        let alpha = || self.alpha(material, self.triangles[triangle as usize], barycentrics);
+        material.alpha_cutoff.is_none_or(|cutoff| alpha() >= cutoff)
+    }
+
+    /// Coverage at a point of the triangle of three vertices.
+    pub(super) fn alpha(&self, material: &Material, vertices: [u32; 3], barycentrics: Vec2) -> f32 {
+        self.base_color(material, &Place::among(vertices, barycentrics)).w
     }
 
     /// All triangles that emit, in order.
@@ -233,7 +238,11 @@ struct Place {
 
 impl Place {
     fn new(scene: &Scene, triangle: u32, b: Vec2) -> Self {
-        Self { vertices: scene.triangles[triangle as usize], weights: [1.0 - b.x - b.y, b.x, b.y] }
+        Self::among(scene.triangles[triangle as usize], b)
+    }
+
+    fn among(vertices: [u32; 3], b: Vec2) -> Self {
+        Self { vertices, weights: [1.0 - b.x - b.y, b.x, b.y] }
     }
 
     /// Weighted sum of the vertices' entries in a stream.
