@@ -1,23 +1,27 @@
 // A hemicube's faces rasterised in shared memory, after micro-rendering (Ritschel et al. 2009): no image is written, only
-// what each texel sees. One workgroup a (record, face) lists the clusters of triangles that the face may see and draws
-// them; each invocation takes one triangle of a cluster. Triangles are tested as directions, in homogeneous coordinates
-// (Olano and Greer 1997): what crosses the face's plane needs no clipping.
+// the light that each texel sees. One workgroup a (record, face) lists the clusters of triangles that the face may see and
+// draws them; each invocation takes one triangle of a cluster. Triangles are tested as directions, in homogeneous
+// coordinates (Olano and Greer 1997): what crosses the face's plane needs no clipping.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
-#include "inc/subdivision.glsl"
 #include "inc/views.glsl"
 const uint THREADS = 64;  // triangles of a cluster
 layout(local_size_x = THREADS) in;
 
 layout(constant_id = 0) const uint SIZE = 32;
 layout(constant_id = 1) const uint HAS_MASKS = 0;
+layout(constant_id = 2) const uint HAS_SKY = 0;
+layout(constant_id = 3) const uint HAS_TRANSLATION = 1;  // planes are wanted
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Visible { uint visible[]; };  // a bit a cluster, by frame and face
 layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w: the geometry's triangle; its mask
-layout(set = 0, binding = 3, std430) buffer Seen { uvec2 seen[]; };  // identity, 1/distance
-layout(set = 0, binding = 4) uniform textureBuffer masks;  // bits, 128 a texel
+layout(set = 0, binding = 3) uniform textureBuffer masks;  // bits, 128 a texel
+layout(set = 0, binding = 4, std430) readonly buffer FirstCell { uint first_cell[]; };
+layout(set = 0, binding = 5, std430) readonly buffer CellRadiance { float cell_radiance[]; };
+layout(set = 0, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
+layout(set = 0, binding = 7, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     uint word_count;
@@ -25,10 +29,14 @@ layout(push_constant) uniform Push {
     uint texel_count;
 } push;
 
+#include "inc/cells.glsl"
+#include "inc/gathered.glsl"
+#include "inc/sky.glsl"
+
 const uint NOTHING = 0xffffffffu;
 // A key is the logarithm of depth in the upper bits; then the entry of the triangle's cluster in the list, plus 1, and
-// its place in the cluster. Entry 0 are triangles already written to `seen`: the list is used again and again, so that any
-// number of triangles has a name.
+// its place in the cluster. Entry 0 are triangles whose numbers `gathered` holds meanwhile: the list is used again and
+// again, so that any number of triangles has a name.
 const uint PLACE_BITS = 6, ENTRY_BITS = 11, ID_BITS = PLACE_BITS + ENTRY_BITS;
 const uint WORDS = 63;  // of bits that are listed at once: fewer entries than names
 
@@ -42,11 +50,15 @@ struct View { uint face; mat3 axes; Frame frame; };
 struct Triangle { vec3 a, b, c; uvec2 mask; };
 struct Box { ivec2 low, high; };    // texels, both ends included
 
-// Axes of a face: right, up, forward, as rows.
-mat3 face_axes(uint face, Frame frame) {
-    mat3 columns = mat3(face_coordinates(face, vec3(1.0, 0.0, 0.0)), face_coordinates(face, vec3(0.0, 1.0, 0.0)),
-                        face_coordinates(face, vec3(0.0, 0.0, 1.0)));
-    return columns * transpose(mat3(frame.tangent.xyz, frame.bitangent.xyz, frame.normal.xyz));
+// A face's right, up and forward as rows, local.
+mat3 local_axes(uint face) {
+    return mat3(face_coordinates(face, vec3(1.0, 0.0, 0.0)), face_coordinates(face, vec3(0.0, 1.0, 0.0)),
+                face_coordinates(face, vec3(0.0, 0.0, 1.0)));
+}
+
+// In the world.
+mat3 world_axes(uint face, Frame frame) {
+    return local_axes(face) * transpose(mat3(frame.tangent.xyz, frame.bitangent.xyz, frame.normal.xyz));
 }
 
 vec3 place(View view, vec4 corner) { return view.axes * (corner.xyz - view.frame.origin.xyz); }
@@ -127,14 +139,14 @@ void rasterise(Triangle t, Box box, uint id) {
 uint triangle_at(uint i, uint first) {
     if (keys[i] == NOTHING) return 0;
     uint entry = (keys[i] >> PLACE_BITS) & ((1 << ENTRY_BITS) - 1), place = keys[i] & (THREADS - 1);
-    return entry == 0 ? seen[first + i].x : list[entry - 1] * THREADS + place + 1;
+    return entry == 0 ? floatBitsToUint(gathered[STRIDE * (first + i)].x) : list[entry - 1] * THREADS + place + 1;
 }
 
-// Makes the list free: writes what texels see so far to `seen`.
+// Makes the list free: keeps what texels see so far in `gathered`.
 void retire(uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         if (keys[i] == NOTHING) continue;
-        seen[first + i].x = triangle_at(i, first);
+        gathered[STRIDE * (first + i)].x = uintBitsToFloat(triangle_at(i, first));
         keys[i] = keys[i] >> ID_BITS << ID_BITS;
     }
 }
@@ -177,36 +189,41 @@ void clear(View view, uint texels, uint first) {
         bool above = dot(direction, view.frame.horizon.xyz) > 0.0;
         // Below the horizon nothing is nearer than the nothing that is there already.
         keys[i] = above ? NOTHING : 0;
-        if (!above) seen[first + i].x = 0;
+        if (!above) gathered[STRIDE * (first + i)].x = 0.0;
     }
 }
 
-void write_seen(View view, uint texels, uint first) {
+void gather(View view, uint texels, uint first) {
+    mat3 axes = local_axes(view.face);
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
-        uvec2 result = uvec2(0);
-        uint triangle = triangle_at(i, first);
+        uint triangle = triangle_at(i, first), at = STRIDE * (first + i);
+        vec3 way = normalize(vec3(texel_centre(ivec2(i % SIZE, i / SIZE)), 1.0)), plane = vec3(0.0), beyond = vec3(0.0);
+        vec4 seen = vec4(0.0);
         if (triangle != 0) {
-            vec2 p = texel_centre(ivec2(i % SIZE, i / SIZE));
             Triangle t = load(view, triangle - 1);
-            vec3 normal = cross(t.b - t.a, t.c - t.a);
-            float volume = dot(t.a, normal);
-            float inverse_z = dot(normal, vec3(p, 1.0)) / volume;
-            uint name = floatBitsToUint(texelFetch(corners, int(3 * triangle - 3)).w) + 1;
+            vec3 e1 = t.b - t.a, e2 = t.c - t.a;
+            plane = inverse_plane(t.a, e1, e2);
             // Faces are mirrored: what shows its front has a positive volume in the world and a negative one here.
-            result = uvec2(name | (volume < 0.0 ? 0x80000000u : 0),
-                           floatBitsToUint(max(inverse_z, 0.0) * inversesqrt(1.0 + dot(p, p))));
+            bool front = dot(t.a, cross(e1, e2)) < 0.0;
+            uint name = floatBitsToUint(texelFetch(corners, int(3 * triangle - 3)).w);
+            seen = vec4(cell_light(name, front, barycentrics(t.a, e1, e2, way)), max(dot(plane, way), 0.0));
         }
-        seen[first + i] = result;
+        if (HAS_SKY != 0) {
+            if (keys[i] == NOTHING) beyond = sky_radiance(way * view.axes);
+            gathered[at + 1] = vec4(beyond, 0.0);
+        }
+        gathered[at] = seen;
+        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane * axes, 0.0);
     }
 }
 
 void main() {
     uint record = gl_WorkGroupID.x / 5, face = gl_WorkGroupID.x % 5;
-    View view = View(face, face_axes(face, frames[record]), frames[record]);
+    View view = View(face, world_axes(face, frames[record]), frames[record]);
     uint texels = SIZE * rows(face);
     uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * SIZE + (face - 1) * (SIZE * SIZE / 2));
     clear(view, texels, first);
     barrier();
     draw(view, texels, first);
-    write_seen(view, texels, first);
+    gather(view, texels, first);
 }

@@ -39,6 +39,7 @@ layout(push_constant) uniform Push {
 } push;
 
 #include "inc/cells.glsl"
+#include "inc/triangles.glsl"
 #include "inc/light.glsl"
 #include "inc/shadow.glsl"
 

@@ -3,8 +3,9 @@
 use super::Ground;
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
-use crate::passes::capture_compute::CaptureCompute;
+use crate::passes::capture_compute::{self, CaptureCompute};
 use crate::passes::find_clusters::FindClusters;
+use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::integrate::{Captured, CapturedBy};
 use crate::scene::Scene;
 use crate::vk::pass::Recording;
@@ -73,6 +74,8 @@ impl CaptureMode {
 /// The captures of a batch of records.
 pub struct Captures {
     by: By,
+    /// What their texels see.
+    pub gathered: Gathered,
     /// How directions become texels.
     pub projection: Projection,
     /// Texels a side.
@@ -88,23 +91,30 @@ enum By {
 }
 
 impl Captures {
-    /// Builds captures of `size` texels a side; `in_compute` as the plan says.
+    /// Builds captures of `size` texels a side; `in_compute` as the plan says. They see the `sky`, if there is one, and keep
+    /// `planes` for the translation gradient.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
         in_compute: bool,
         (mode, size): (CaptureMode, u32),
+        (sky, planes): (Option<&Buffer>, bool),
     ) -> Result<Self> {
         let (geometry, projection) = (ground.geometry, mode.projection());
         let views = views(projection);
         let capacity = batch_size(size, views);
+        let kinds = Kinds { sky: sky.is_some(), planes };
         if in_compute {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
             // At most as much again for the bits of visible clusters.
-            let by_bits = (BATCH_BYTES / FindClusters::bytes_per_frame(tree).max(1)).max(1);
-            let capacity = capacity.min(by_bits.min(u64::from(u32::MAX)) as u32);
-            let by = By::Compute(Box::new(CaptureCompute::new(device, geometry, tree, size, capacity)?));
-            return Ok(Self { by, projection, size, capacity });
+            let by_bits = BATCH_BYTES / FindClusters::bytes_per_frame(tree).max(1);
+            let texels = u64::from(capture_compute::texels(size));
+            let by_texels = Gathered::most_viewed(device, kinds) / texels;
+            let capacity = u64::from(capacity).min(by_bits).min(by_texels).max(1);
+            let gathered = Gathered::viewed(device, texels * capacity, kinds)?;
+            let capacity = capacity as u32;
+            let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), size, capacity)?;
+            return Ok(Self { by: By::Compute(Box::new(capture)), gathered, projection, size, capacity });
         }
         let desc = CaptureDesc {
             name: "capture",
@@ -116,7 +126,9 @@ impl Captures {
         };
         let capture = Capture::new(device, ground.scene, geometry, ground.textures, desc)?;
         let capacity = capture.desc.capacity;
-        Ok(Self { by: By::Render(Box::new(capture)), projection, size, capacity })
+        let texels = projection.table(size).texels.len() as u64;
+        let gathered = Gathered::plain(device, texels * u64::from(capacity), kinds)?;
+        Ok(Self { by: By::Render(Box::new(capture)), gathered, projection, size, capacity })
     }
 
     /// Frames to look from.
@@ -141,7 +153,7 @@ impl Captures {
             By::Render(capture) => CapturedBy::Render(capture),
             By::Compute(capture) => CapturedBy::Compute(capture),
         };
-        Captured { by, projection: self.projection, size: self.size, capacity: self.capacity }
+        Captured { by, gathered: &self.gathered, projection: self.projection, size: self.size }
     }
 
     /// Captures the first `count` frames.

@@ -112,7 +112,13 @@ impl IrradianceCache {
     ) -> Result<Self> {
         let geometry = ground.geometry;
         let Features { sky, in_compute, counts_records } = features;
-        let captures = Captures::new(device, ground, in_compute, (settings.capture, settings.capture_size))?;
+        let captures = Captures::new(
+            device,
+            ground,
+            in_compute,
+            (settings.capture, settings.capture_size),
+            (sky, settings.gradients.translation),
+        )?;
         let capacity = captures.capacity;
         let records = u64::from(capacity) * size_of::<Record>() as u64;
         let records = Buffer::new(device, "records", records, Memory::Device)?;
@@ -131,8 +137,9 @@ impl IrradianceCache {
         };
         let quantities = (settings.gradients, settings.radius);
         let integrate = Integrate::new(device, geometry, &captures.captured(), both, sky, quantities, limits)?;
-        let (frames, gathered, stride) = (captures.frames(), &integrate.gathered, integrate.stride);
-        let seen = Seen { frames, gathered, size: settings.capture_size, stride };
+        let Captures { gathered, size, .. } = &captures;
+        let (frames, stride) = (captures.frames(), gathered.kinds.stride());
+        let seen = Seen { frames, gathered: gathered.buffer(), size: *size, stride };
         let seen = settings.rejects_hidden().then_some(seen);
         let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight, seen)?;
         let find = FindUncovered::new(device, gbuffer, &splat.sums.indirect)?;

@@ -111,7 +111,13 @@ impl<'a> Probes<'a> {
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };
         light_surfaces(device, recorder, &ground, &settings.lights, has_sky)?;
 
-        let captures = Captures::new(device, &ground, in_compute, (settings.capture, size))?;
+        let captures = Captures::new(
+            device,
+            &ground,
+            in_compute,
+            (settings.capture, size),
+            (sky.as_ref(), settings.gradients.translation),
+        )?;
         let capacity = captures.capacity;
         let buffer = |bytes: usize, memory| Buffer::new(device, "records", u64::from(capacity) * bytes as u64, memory);
         let payload_bytes = size_of::<Payload>() * if has_sky { 2 } else { 1 };

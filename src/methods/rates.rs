@@ -6,6 +6,7 @@
 use super::Ground;
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views};
+use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::geometry::Geometry;
 use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits, Radius};
@@ -117,7 +118,9 @@ fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch
     let records = Buffer::new(device, "records", u64::from(count) * size_of::<Record>() as u64, Memory::Device)?;
     let payloads = Buffer::new(device, "records", u64::from(count) * size_of::<Payload>() as u64, Memory::Device)?;
     let projection = Projection::Hemicube;
-    let captured = Captured { by: CapturedBy::Render(&capture), projection, size: CAPTURE_SIZE, capacity: count };
+    let texels = projection.table(CAPTURE_SIZE).texels.len() as u64 * u64::from(count);
+    let gathered = Gathered::plain(device, texels, Kinds { sky: false, planes: true })?;
+    let captured = Captured { by: CapturedBy::Render(&capture), gathered: &gathered, projection, size: CAPTURE_SIZE };
     let quantities = (Gradients { rotation: true, translation: true }, Radius::Hessian);
     let limits = Limits { accuracy: 0.3, min_radius: 1.0, max_radius: 2.0, scene_radius: 1.0 };
     let integrate =
@@ -128,8 +131,7 @@ fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch
             Ok(())
         })
     })?;
-    let texels = projection.table(CAPTURE_SIZE).texels.len() as f64 * f64::from(count);
-    Ok((triangle_views, rate(texels, seconds)))
+    Ok((triangle_views, rate(texels as f64, seconds)))
 }
 
 /// Blended fragments in a second.

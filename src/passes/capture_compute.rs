@@ -7,6 +7,7 @@
 
 use super::cluster_tree::ClusterTree;
 use super::find_clusters::FindClusters;
+use super::gathered::{Gathered, Kinds};
 use super::geometry::{CLUSTER, Geometry};
 use crate::scene::Scene;
 use crate::vk::{
@@ -38,8 +39,6 @@ pub struct CaptureCompute {
     push: Push,
     /// Frames to look from.
     pub frames: Buffer,
-    /// What each texel sees: triangle + 1 with the front in bit 31, and 1/distance.
-    pub seen: Buffer,
     _layout: SetLayout,
 }
 
@@ -52,31 +51,36 @@ impl CaptureCompute {
         if shared_bytes(size) > most {
             return Some(format!("a face of {size} × {size} texels does not fit into {most} bytes of shared memory"));
         }
+        if u64::from(tables(size)) > Gathered::most_viewed(device, Kinds { sky: false, planes: false }) {
+            return Some(format!("tables of {size} × {size} texels do not fit into a texel buffer of the device"));
+        }
         let too_many = !ClusterTree::holds(device, triangles);
         let corners = || format!("the corners of {triangles} triangles do not fit into a texel buffer of the device");
         too_many.then(corners).or_else(|| scene.too_many_masked())
     }
 
-    /// Captures up to `capacity` hemicubes of `size` texels a side, of the triangles in `tree`.
+    /// Captures up to `capacity` hemicubes of `size` texels a side, of the triangles in `tree`, into `gathered`; `sky` where
+    /// that keeps it.
     pub fn new(
         device: &Arc<Device>,
-        geometry: &Geometry,
-        tree: &ClusterTree,
+        (geometry, tree): (&Geometry, &ClusterTree),
+        (gathered, sky): (&Gathered, Option<&Buffer>),
         size: u32,
         capacity: u32,
     ) -> Result<Self> {
-        let texel_count = 3 * size * size;
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
         let frames = Buffer::new(device, "capture frames", frames, Memory::Device)?;
-        let seen = Buffer::new(device, "capture", u64::from(capacity * texel_count) * 8, Memory::Device)?;
         let find = FindClusters::new(device, tree, &frames, size, capacity)?;
         let bindings = [
             Binding::Storage(&frames),
             Binding::Storage(&find.visible),
             Binding::TexelBuffer(&tree.corners),
-            Binding::Storage(&seen),
-            // Without masks never read.
+            // What the scene does not have is never read.
             Binding::TexelBuffer(tree.masks.as_ref().unwrap_or(&tree.corners)),
+            Binding::Storage(&geometry.first_cell),
+            Binding::Storage(&geometry.cell_radiance),
+            Binding::Storage(sky.unwrap_or(&geometry.first_cell)),
+            Binding::Storage(gathered.buffer()),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
@@ -86,11 +90,12 @@ impl CaptureCompute {
             nearest: geometry.radius * NEAREST,
             word_count: FindClusters::words(tree),
             triangle_count: geometry.triangle_count,
-            texel_count,
+            texel_count: texels(size),
         };
-        let constants = Specialisation(vec![size, u32::from(tree.masks.is_some())]);
+        let flags = [tree.masks.is_some(), gathered.kinds.sky, gathered.kinds.planes].map(u32::from);
+        let constants = Specialisation([size].into_iter().chain(flags).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
-        Ok(Self { find, pipeline, set, push, frames, seen, _layout: layout })
+        Ok(Self { find, pipeline, set, push, frames, _layout: layout })
     }
 
     /// Finds the clusters that the first `count` frames see.
@@ -104,6 +109,16 @@ impl CaptureCompute {
         self.pipeline.layout.push(commands, &self.push);
         self.pipeline.dispatch(commands, [count * 5, 1, 1]);
     }
+}
+
+/// Texels of a hemicube.
+pub fn texels(size: u32) -> u32 {
+    3 * size * size
+}
+
+/// Values of the larger table that [`super::integrate`] fetches: three for each of two edges a texel.
+fn tables(size: u32) -> u32 {
+    3 * 2 * texels(size)
 }
 
 /// Shared memory of a workgroup: keys, and the list of clusters with the counts that order it.

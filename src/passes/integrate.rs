@@ -2,12 +2,13 @@
 
 use super::capture::Capture;
 use super::capture_compute::CaptureCompute;
+use super::gathered::Gathered;
 use super::geometry::Geometry;
 use crate::math::capture::{self, Projection, Table};
 use crate::vk::gpu_types::{Edge, Texel};
 use crate::vk::{
-    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
-    Specialisation, spirv,
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout,
+    Specialisation, TexelBuffer, spirv,
 };
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -70,26 +71,48 @@ pub enum CapturedBy<'a> {
 pub struct Captured<'a> {
     /// Where they come from.
     pub by: CapturedBy<'a>,
+    /// What their texels see.
+    pub gathered: &'a Gathered,
     /// How directions became texels.
     pub projection: Projection,
     /// Texels a side.
     pub size: u32,
-    /// Records of a batch.
-    pub capacity: u32,
 }
 
 /// The pass.
 pub struct Integrate {
     pipeline: ComputePipeline,
-    set: DescriptorSet,
-    scene_set: DescriptorSet,
+    sets: Vec<DescriptorSet>,
     push: Push,
-    /// Of each texel of each record of a batch, `stride` values: radiance and 1/distance first.
-    pub gathered: Buffer,
-    /// Values of four floats that a texel has in `gathered`.
-    pub stride: u32,
-    _tables: [Buffer; 2],
-    _layouts: [SetLayout; 2],
+    _tables: Tables,
+    _layouts: Vec<SetLayout>,
+}
+
+/// Texels and edges on the device.
+enum Tables {
+    Plain([Buffer; 2]),
+    Viewed([TexelBuffer; 2]),
+}
+
+impl Tables {
+    const NAME: &str = "capture tables";
+
+    fn new(device: &Arc<Device>, viewed: bool, texels: &[Texel], edges: &[Edge]) -> Result<Self> {
+        Ok(if viewed {
+            let texels = TexelBuffer::with_data(device, Self::NAME, texels)?;
+            Self::Viewed([texels, TexelBuffer::with_data(device, Self::NAME, edges)?])
+        } else {
+            let texels = Buffer::with_data(device, Self::NAME, texels)?;
+            Self::Plain([texels, Buffer::with_data(device, Self::NAME, edges)?])
+        })
+    }
+
+    fn bindings(&self) -> [Binding<'_>; 2] {
+        match self {
+            Self::Plain(tables) => tables.each_ref().map(Binding::Storage),
+            Self::Viewed(tables) => tables.each_ref().map(Binding::TexelBuffer),
+        }
+    }
 }
 
 impl Integrate {
@@ -104,43 +127,28 @@ impl Integrate {
         limits: Limits,
     ) -> Result<Self> {
         let table = captured.projection.table(captured.size);
-        let texels = Buffer::with_data(device, "capture tables", &gpu_texels(&table))?;
-        let edges = Buffer::with_data(device, "capture tables", &gpu_edges(&table, gradients))?;
-        let stride = 1 + u32::from(sky.is_some()) + u32::from(gradients.translation);
-        let per_record = table.texels.len() as u64 * 16 * u64::from(stride);
-        let gathered_bytes = per_record * u64::from(captured.capacity);
-        let gathered = Buffer::new(device, "gathered radiance", gathered_bytes, Memory::Device)?;
-
-        let (positions, indices) = (&geometry.positions, &geometry.indices);
-        let scene_bindings = [positions, indices, &geometry.first_cell, &geometry.cell_radiance].map(Binding::Storage);
-        let scene_layout = SetLayout::of(device, &scene_bindings)?;
-        let scene_set = DescriptorSet::new(&scene_layout, &scene_bindings)?;
-        let (inputs, frames, code, columns) = match captured.by {
-            CapturedBy::Render(capture) => {
-                let identity = capture.identity.as_ref().expect("captures for integration keep identities");
-                let images = [Binding::Texels(identity), Binding::Texels(&capture.depth)];
-                (images, &capture.frames, spirv!("integrate", "from_render.comp"), capture.columns)
-            }
-            CapturedBy::Compute(capture) => {
-                // The second place is an image's in the other shader, and free in this one.
-                let buffers = [Binding::Storage(&capture.seen), Binding::Storage(&capture.seen)];
-                (buffers, &capture.frames, spirv!("integrate", "from_compute.comp"), 1)
-            }
+        let (frames, code, columns) = match captured.by {
+            CapturedBy::Render(capture) => (&capture.frames, spirv!("integrate", "from_render.comp"), capture.columns),
+            CapturedBy::Compute(capture) => (&capture.frames, spirv!("integrate", "from_compute.comp"), 1),
         };
-        let bindings = [
-            inputs[0],
-            inputs[1],
+        let view = captured.gathered.view();
+        let tables = Tables::new(device, view.is_some(), &gpu_texels(&table), &gpu_edges(&table, gradients))?;
+        let [texels, edges] = tables.bindings();
+        let own = [
             Binding::Storage(frames),
-            Binding::Storage(&texels),
-            Binding::Storage(&edges),
-            Binding::Storage(&gathered),
             Binding::Storage(records),
             Binding::Storage(payloads),
-            Binding::Storage(sky.unwrap_or(&texels)),
+            texels,
+            edges,
+            view.map_or(Binding::Storage(captured.gathered.buffer()), Binding::TexelBuffer),
         ];
-        let layout = SetLayout::of(device, &bindings)?;
-        let set = DescriptorSet::new(&layout, &bindings)?;
-        let pipeline_layout = PipelineLayout::new(device, &[&scene_layout, &layout], size_of::<Push>() as u32)?;
+        let of_scene = scene_bindings(geometry, &captured.by, sky);
+        let all = [&own[..], &of_scene].into_iter().filter(|bindings| !bindings.is_empty());
+        let layouts = all.clone().map(|bindings| SetLayout::of(device, bindings)).collect::<Result<Vec<_>>>()?;
+        let sets = all.zip(&layouts).map(|(bindings, layout)| DescriptorSet::new(layout, bindings));
+        let sets = sets.collect::<Result<Vec<_>>>()?;
+        let layout_refs: Vec<_> = layouts.iter().collect();
+        let pipeline_layout = PipelineLayout::new(device, &layout_refs, size_of::<Push>() as u32)?;
         let is_curved = captured.projection == Projection::Hemisphere;
         let by_hessian = radius == Radius::Hessian && gradients.translation;
         let flags = [sky.is_some(), gradients.rotation, gradients.translation, is_curved, by_hessian];
@@ -154,42 +162,51 @@ impl Integrate {
             inverse_weight: table.weight().recip() as f32,
             limits,
         };
-        Ok(Self {
-            pipeline,
-            set,
-            scene_set,
-            push,
-            gathered,
-            stride,
-            _tables: [texels, edges],
-            _layouts: [scene_layout, layout],
-        })
+        Ok(Self { pipeline, sets, push, _tables: tables, _layouts: layouts })
     }
 
     /// Integrates the first `count` captures.
     pub fn record(&self, commands: &Commands, count: u32) {
-        self.pipeline.bind(commands, &[&self.scene_set, &self.set]);
+        self.pipeline.bind(commands, &self.sets.iter().collect::<Vec<_>>());
         self.pipeline.layout.push(commands, &self.push);
         self.pipeline.dispatch(commands, [count, 1, 1]);
     }
 }
 
+/// What texels see is looked up in the scene, where the capture has not done so.
+fn scene_bindings<'a>(geometry: &'a Geometry, by: &CapturedBy<'a>, sky: Option<&'a Buffer>) -> Vec<Binding<'a>> {
+    let CapturedBy::Render(capture) = by else { return vec![] };
+    let (positions, indices) = (&geometry.positions, &geometry.indices);
+    let identity = capture.identity.as_ref().expect("captures for integration keep identities");
+    vec![
+        Binding::Storage(positions),
+        Binding::Storage(indices),
+        Binding::Storage(&geometry.first_cell),
+        Binding::Storage(&geometry.cell_radiance),
+        Binding::Texels(identity),
+        Binding::Texels(&capture.depth),
+        Binding::Storage(sky.unwrap_or(positions)),
+    ]
+}
+
 fn gpu_texels(table: &Table) -> Vec<Texel> {
     let texel = |t: &capture::Texel| {
         let (d, turn) = (t.direction.as_vec3(), t.turn().as_vec3());
-        Texel {
-            direction: [d.x, d.y, d.z, t.weight() as f32],
-            place: [t.layer << 16 | t.y << 8 | t.x, (t.forward as f32).to_bits(), turn.x.to_bits(), turn.y.to_bits()],
-        }
+        let place = f32::from_bits(t.layer << 16 | t.y << 8 | t.x);
+        Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, t.forward as f32] }
     };
     table.texels.iter().map(texel).collect()
 }
 
 fn gpu_edges(table: &Table, gradients: Gradients) -> Vec<Edge> {
     let edge = |e: &capture::Edge| {
-        let s = e.step.as_vec3();
-        let m = e.middle.as_vec3();
-        Edge { step: [s.x, s.y, s.z, 0.0], texels: [e.i, e.j, m.x.to_bits(), m.y.to_bits()] }
+        let direction = |i: u32| table.texels[i as usize].direction;
+        let between = (direction(e.i) + direction(e.j)).normalize().as_vec3();
+        Edge {
+            step: [e.step.x as f32, e.step.y as f32, f32::from_bits(e.i), f32::from_bits(e.j)],
+            between: between.extend(0.0).to_array(),
+            middle: [e.middle.x as f32, e.middle.y as f32, 0.0, 0.0],
+        }
     };
     if gradients.translation { table.edges.iter().map(edge).collect() } else { vec![Edge::default()] }
 }

@@ -10,6 +10,7 @@ pub mod cluster_tree;
 pub mod cull;
 pub mod find_clusters;
 pub mod find_uncovered;
+pub mod gathered;
 pub mod gbuffer;
 pub mod geometry;
 pub mod integrate;

@@ -48,7 +48,7 @@ pub struct Outputs {
 pub struct Seen<'a> {
     /// Frames of the captures.
     pub frames: &'a Buffer,
-    /// What each texel saw; [`super::integrate::Integrate::gathered`].
+    /// What each texel saw; [`super::gathered`].
     pub gathered: &'a Buffer,
     /// Texels a side of the hemicubes.
     pub size: u32,

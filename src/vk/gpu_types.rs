@@ -84,24 +84,26 @@ pub struct Material {
     pub alpha: [f32; 4],
 }
 
-/// A texel of a capture; `Texel` in `integrate.comp`.
+/// A texel of a capture: two values of `texels` in `glsl/integrate`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Texel {
-    /// Local unit direction; cosine-weighted solid angle.
+    /// Cosine-weighted solid angle; ∫ n×ω dω (x, y); layer, row and column packed (bits).
+    pub weights: [f32; 4],
+    /// Local unit direction; 1/distance by depth.
     pub direction: [f32; 4],
-    /// Layer, row and column packed; then float bits: 1/distance by depth, and ∫ n×ω dω (x, y).
-    pub place: [u32; 4],
 }
 
-/// An edge between two texels of a capture; `Edge` in `integrate.comp`.
+/// An edge between two texels of a capture: three values of `edges` in `glsl/integrate`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Edge {
-    /// Factor of the translation gradient, local.
+    /// Factor of the translation gradient, local (x, y); the two texels (bits).
     pub step: [f32; 4],
-    /// The two texels; float bits of the tangential part of the direction of its middle.
-    pub texels: [u32; 4],
+    /// Local unit direction between the texels' own.
+    pub between: [f32; 4],
+    /// Tangential part of the direction of its middle.
+    pub middle: [f32; 4],
 }
 
 const _: () = {
@@ -112,5 +114,5 @@ const _: () = {
     assert!(size_of::<EmitterFace>() == 48);
     assert!(size_of::<Material>() == 144);
     assert!(size_of::<Texel>() == 32);
-    assert!(size_of::<Edge>() == 32);
+    assert!(size_of::<Edge>() == 48);
 };

@@ -10,15 +10,23 @@ use std::sync::Arc;
 /// A device buffer of `vec4`s with a view for `texelFetch`.
 pub struct TexelBuffer {
     pub(super) view: vk::BufferView,
-    _buffer: Buffer,
+    /// The buffer itself, for what writes it.
+    pub buffer: Buffer,
     device: Arc<Device>,
 }
 
 impl TexelBuffer {
     /// A buffer that holds `data`, a whole number of `vec4`s; waits for the copy.
     pub fn with_data<T: Pod>(device: &Arc<Device>, used_for: &'static str, data: &[T]) -> Result<Self> {
+        let texels = Self::new(device, used_for, size_of_val(data) as u64)?;
+        texels.buffer.upload(data)?;
+        Ok(texels)
+    }
+
+    /// A buffer of `size` bytes.
+    pub fn new(device: &Arc<Device>, used_for: &'static str, size: u64) -> Result<Self> {
         const TEXEL: u64 = size_of::<[f32; 4]>() as u64;
-        let size = (size_of_val(data) as u64).max(TEXEL);
+        let size = size.max(TEXEL);
         let limit = device.capabilities.limits.max_texel_buffer_elements;
         if size / TEXEL > u64::from(limit) {
             return Err(Error::Limit {
@@ -28,7 +36,6 @@ impl TexelBuffer {
             });
         }
         let buffer = Buffer::unlimited(device, used_for, size, Memory::Device)?;
-        buffer.upload(data)?;
         let info = vk::BufferViewCreateInfo::default()
             .buffer(buffer.raw)
             .format(vk::Format::R32G32B32A32_SFLOAT)
@@ -36,7 +43,7 @@ impl TexelBuffer {
         // SAFETY: the buffer is alive, made for this use, and of a format that every device reads so.
         let view = unsafe { device.raw.create_buffer_view(&info, None) }.during("creating a buffer view")?;
         device.name(view, used_for);
-        Ok(Self { view, _buffer: buffer, device: device.clone() })
+        Ok(Self { view, buffer, device: device.clone() })
     }
 }
 

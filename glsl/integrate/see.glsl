@@ -1,0 +1,48 @@
+// What texels see, from captures by render passes. Wants what body.glsl declares.
+layout(set = 1, binding = 0, std430) readonly buffer Positions { float positions[]; };
+layout(set = 1, binding = 1, std430) readonly buffer Indices { uint indices[]; };
+layout(set = 1, binding = 2, std430) readonly buffer FirstCell { uint first_cell[]; };
+layout(set = 1, binding = 3, std430) readonly buffer CellRadiance { float cell_radiance[]; };
+layout(set = 1, binding = 4) uniform utexture2DArray identities;
+layout(set = 1, binding = 5) uniform texture2DArray depths;
+layout(set = 1, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
+
+#include "inc/triangles.glsl"
+#include "inc/cells.glsl"
+#include "inc/sky.glsl"
+#include "integrate/curved.glsl"
+
+// Identity, and 1/distance as bits, of what a texel sees: `place` is layer<<16 | y<<8 | x, `forward` 1/distance by depth.
+uvec2 look(uvec2 tile, uint place, float forward, Frame frame, vec3 direction) {
+    ivec2 at = ivec2(place & 255, place >> 8 & 255);
+    if (IS_CURVED != 0) return look_closely(tile, at, frame.origin.xyz, direction);
+    ivec3 texel = ivec3(ivec2(tile) + at, place >> 16);
+    float depth = texelFetch(depths, texel, 0).x;
+    return uvec2(texelFetch(identities, texel, 0).x, floatBitsToUint(depth * forward / frame.origin.w));
+}
+
+// What texel i of a record sees: of surfaces, with 1/distance, and of the sky. Keeps it in `gathered`.
+void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
+    uvec2 tile = uvec2(record % push.columns, record / push.columns) * push.tile_size;
+    vec4 way = texel_value(2 * i + 1);
+    vec3 direction = to_world(frame, way.xyz), plane = vec3(0.0);
+    uvec2 hit = look(tile, floatBitsToUint(texel_value(2 * i).w), way.w, frame, direction);
+    bool above = dot(direction, frame.horizon.xyz) > 0.0;
+    seen = vec4(0.0);
+    beyond = vec3(0.0);
+    if (hit.x != 0 && above) {
+        uint triangle = (hit.x & 0x7fffffffu) - 1;
+        uvec3 c = corners_of(triangle);
+        vec3 a = position_of(c.x) - frame.origin.xyz, e1 = position_of(c.y) - position_of(c.x),
+             e2 = position_of(c.z) - position_of(c.x);
+        seen = vec4(cell_light(triangle, hit.x >= 0x80000000u, barycentrics(a, e1, e2, direction)),
+                    uintBitsToFloat(hit.y));
+        if (HAS_TRANSLATION != 0) plane = to_local(frame, inverse_plane(a, e1, e2));
+    } else if (HAS_SKY != 0 && above) {
+        beyond = sky_radiance(direction);
+    }
+    uint at = STRIDE * (record * push.texel_count + i);
+    gathered[at] = seen;
+    if (HAS_SKY != 0) gathered[at + 1] = vec4(beyond, 0.0);
+    if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane, 0.0);
+}
