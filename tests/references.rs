@@ -10,6 +10,7 @@ mod common;
 use common::{check_complete, draw, scene_folder};
 use hemicube::image::metrics::{Metrics, mask, measure};
 use hemicube::image::{Picture, exr};
+use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::renderer::Settings;
 use hemicube::scene::load;
@@ -75,4 +76,42 @@ fn sponza() {
 #[test]
 fn living_room() {
     check("living-room", [256, 144], Promise { mae: 0.05, energy: 0.02 });
+}
+
+/// Gradients against constant irradiance in each zone, with as many records: `tools/equal_records.py` does it for any scene.
+#[test]
+fn gradients_halve_the_error_at_equal_records() {
+    let Some(folder) = scene_folder("cornell") else { return };
+    let scene = load(&folder.join("cornell.gltf")).unwrap();
+    let reference = exr::read(&folder.join("E_256x256.exr")).unwrap();
+    let keep = mask(reference.rgb("mask").unwrap()[0]);
+    let run = |with: bool, accuracy: f32| {
+        let mut settings = Settings { width: 256, height: 256, planes: vec![Plane::Irradiance], ..Settings::default() };
+        settings.cache.gradients = Gradients { rotation: with, translation: with };
+        settings.cache.accuracy = accuracy;
+        let rendered = draw(&scene, &scene.cameras[0], &settings);
+        let error = compare(&rendered.picture, &reference, ["irradiance", "b1"], &keep).mae;
+        (rendered.cache.records as f64, error)
+    };
+    for accuracy in [0.6, 0.3] {
+        let (records, with) = run(true, accuracy);
+        let (mut low, mut high) = (0.05_f32, 2.0_f32);
+        let mut without = (0.0, 0.0);
+        // The smaller the accuracy, the more records.
+        for _ in 0..12 {
+            let middle = (low * high).sqrt();
+            without = run(false, middle);
+            if (without.0 / records - 1.0).abs() <= 0.01 {
+                break;
+            }
+            if without.0 > records { low = middle } else { high = middle }
+        }
+        let ratio = without.1 / with;
+        eprintln!(
+            "{records} records: error {with:.4}, without gradients {:.4} of {}: {ratio:.2} ×",
+            without.1, without.0
+        );
+        assert!((without.0 / records - 1.0).abs() <= 0.02, "no accuracy gives {records} records: {}", without.0);
+        assert!(ratio >= 2.0, "{ratio}");
+    }
 }

@@ -49,7 +49,7 @@ void main() {
     ivec2 xy = place_of(pixel);
     float radius = records[me].position.w;
     if (PHASE == 0) {
-        // The share that the gradient was damped by tells the radius below the limit.
+        // The payload's share tells the radius below the limit.
         float reach = radius * payloads[(HAS_SKY + 1) * me].translation[0].w;
         ivec2 tile = xy / int(push.tile);
         uint before = atomicExchange(heads[uint(tile.y) * push.tiles.x + uint(tile.x)], pixel + 1);

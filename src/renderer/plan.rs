@@ -120,14 +120,15 @@ impl Plan {
 }
 
 /// Cells for a scene: more for more detail, fewer where each is lit by many samples, so that lighting them stays within
-/// about 2²⁶ shadow lookups.
+/// about 2²⁶ shadow lookups, and what holds them within 100 MB.
 fn cells(scene: &Scene, settings: &Settings) -> u32 {
     let emissive = |part: &&Part| scene.materials[part.material as usize].emission != Vec3::ZERO;
     let faces: u32 = scene.parts.iter().filter(emissive).map(|part| part.triangle_count).sum();
-    let area_samples = settings.lights.area_samples.max(faces.min(MOST_FACES as u32));
+    let is_sampled = faces > 0 || !scene.background.is_black();
+    let area_samples = if is_sampled { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
     let samples = scene.lights.len() as u64 + u64::from(area_samples);
     let affordable = (1_u64 << 26) / samples.max(1);
-    (24 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 21).min(affordable.max(1 << 16)) as u32
+    (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32
 }
 
 struct Facts {
