@@ -100,11 +100,52 @@ bool outside(Triangle t, uint face) {
         || all(greaterThan(y, z)) || all(lessThan(y, -z));
 }
 
+const float FAR = 1e30;
+
+// Takes into the bounds of a triangle's image the corner `a`, if it lies ahead, and if the side from there to `b` passes the
+// face's own plane, all that lies beyond on that side: the image goes on without end.
+void include(vec3 a, vec3 b, inout vec2 least, inout vec2 most) {
+    if (a.z > 0.0) {
+        least = min(least, a.xy / a.z);
+        most = max(most, a.xy / a.z);
+    }
+    if ((a.z > 0.0) != (b.z > 0.0)) {
+        vec2 from = a.xy * abs(b.z), to = b.xy * abs(a.z), along = from + to, unsure = 1e-5 * (abs(from) + abs(to));
+        least = mix(least, vec2(-FAR), lessThanEqual(along, unsure));
+        most = mix(most, vec2(FAR), greaterThanEqual(along, -unsure));
+    }
+}
+
 Box bounds(Triangle t, uint face) {
     if (outside(t, face)) return Box(ivec2(0), ivec2(-1));
-    if (min(t.a.z, min(t.b.z, t.c.z)) <= 0.0) return whole(face);
-    vec2 a = t.a.xy / t.a.z, b = t.b.xy / t.b.z, c = t.c.xy / t.c.z;
-    return texels_within(face, min(a, min(b, c)), max(a, max(b, c)));
+    vec2 least = vec2(FAR), most = vec2(-FAR);
+    include(t.a, t.b, least, most);
+    include(t.b, t.c, least, most);
+    include(t.c, t.a, least, most);
+    return texels_within(face, least, most);
+}
+
+// Columns where a triangle's sides cross the rows of texels, as a function of the row's height.
+struct Sides { vec3 slope, offset; bvec3 is_left; };
+
+// Of sides as signed volumes (x, y, z), positive within. With a grain to spare: what is within must not be lost.
+Sides sides_of(vec3 x, vec3 y, vec3 z) {
+    // A side along the rows bounds none of them.
+    bvec3 is_bound = greaterThan(abs(x), 1e-6 * (abs(y) + abs(z)));
+    vec3 inverse = -1.0 / mix(vec3(1.0), x, is_bound), slope = y * inverse, offset = z * inverse;
+    bvec3 is_left = bvec3(x.x > 0.0, x.y > 0.0, x.z > 0.0);
+    vec3 spare = 0.01 + 1e-6 * float(SIZE) * (abs(slope) + abs(offset));
+    slope *= 0.5 * float(SIZE);
+    offset = 0.5 * float(SIZE) * (offset + 1.0) - 0.5 + mix(spare, -spare, is_left);
+    return Sides(mix(vec3(0.0), slope, is_bound), mix(mix(vec3(FAR), vec3(-FAR), is_left), offset, is_bound), is_left);
+}
+
+// First and last column between the sides.
+ivec2 columns(Sides sides, float y) {
+    vec3 at = sides.slope * y + sides.offset;
+    vec3 left = mix(vec3(-FAR), at, sides.is_left), right = mix(at, vec3(FAR), sides.is_left);
+    float from = max(left.x, max(left.y, left.z)), to = min(right.x, min(right.y, right.z));
+    return ivec2(ceil(clamp(from, -1.0, float(SIZE))), floor(clamp(to, -1.0, float(SIZE))));
 }
 
 // Whether the surface is there at the point (1−u−v)·a + u·b + v·c.
@@ -114,24 +155,36 @@ bool is_present(uvec2 mask, vec2 uv) {
     return mask.x == 0 || (bits[cell / 32 % 4] >> cell % 32 & 1) != 0;
 }
 
-// One loop over the box, not one in another: side by side, invocations wait for the largest box alone.
+// One loop over the rows and columns of a box, not one in another: side by side, invocations wait for the largest
+// triangle alone.
 void rasterise(Triangle t, Box box, uint id) {
     // Signed volumes of the direction with each edge; each is exactly the negative of its neighbour's.
     precise vec3 ea = cross(t.b, t.c), eb = cross(t.c, t.a), ec = cross(t.a, t.b);
+    // What is seen from behind is turned: then sides are positive within, and what they bound lies ahead.
+    float turn = sign(dot(t.a, ea)), volume = abs(dot(t.a, ea));
+    ea *= turn;
+    eb *= turn;
+    ec *= turn;
     vec3 normal = ea + eb + ec;
-    float volume = dot(t.a, ea);
-    if (box.low.x > box.high.x) box.high.y = -1;
-    for (ivec2 at = box.low; at.y <= box.high.y;) {
+    Sides sides = sides_of(vec3(ea.x, eb.x, ec.x), vec3(ea.y, eb.y, ec.y), vec3(ea.z, eb.z, ec.z));
+    ivec2 at = ivec2(0, box.low.y - 1);
+    int last = -1;  // column of the row
+    if (box.low.x > box.high.x || volume == 0.0) box.high.y = -1;
+    while (at.y < box.high.y || (at.y == box.high.y && at.x <= last)) {
+        if (at.x > last) {
+            ++at.y;
+            ivec2 between = columns(sides, texel_centre(at).y);
+            at.x = max(box.low.x, between.x);
+            last = min(box.high.x, between.y);
+        }
         vec2 p = texel_centre(at);
         precise vec3 side = vec3(ea.x * p.x + ea.y * p.y + ea.z, eb.x * p.x + eb.y * p.y + eb.z,
                                  ec.x * p.x + ec.y * p.y + ec.z);
-        bool inside = all(greaterThanEqual(side, vec3(0.0))) || all(lessThanEqual(side, vec3(0.0)));
         float sum = dot(normal, vec3(p, 1.0)), z = volume / sum;
-        bool drawn = inside && z > 0.0;
+        bool drawn = at.x <= last && all(greaterThanEqual(side, vec3(0.0))) && sum > 0.0;
         if (HAS_MASKS != 0) drawn = drawn && is_present(t.mask, side.yz / sum);
         if (drawn) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z) << ID_BITS) | id);
-        bool ends = at.x == box.high.x;
-        at = ivec2(ends ? box.low.x : at.x + 1, ends ? at.y + 1 : at.y);
+        ++at.x;
     }
 }
 
