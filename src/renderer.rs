@@ -70,7 +70,7 @@ pub fn render(
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
     let mut clock = Clock::new();
-    let cut = settings.longest_side().map(|share| tessellated(scene, share));
+    let cut = settings.longest_side(scene, Some(device)).map(|share| tessellated(scene, share));
     let scene = cut.as_ref().unwrap_or(scene);
     if cut.is_some() {
         clock.lap("tessellate");

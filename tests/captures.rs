@@ -8,7 +8,7 @@ use common::build::{Builder, Facing, diffuse};
 use common::closed_forms::{parallelogram, polygon};
 use common::{check_complete, draw, gpu, small};
 use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
-use hemicube::math::capture::seen_by_plane;
+use hemicube::math::capture::{Projection, seen_by_plane};
 use hemicube::math::form_factor;
 use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
 use hemicube::methods::probes::{Place, Probe, ProbeSettings, Probes};
@@ -20,7 +20,8 @@ use std::f64::consts::PI;
 
 const PLANE: CaptureMode = CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: true };
 const BARE_PLANE: CaptureMode = CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: false };
-const WHOLE: [CaptureMode; 4] = [CaptureMode::Hemicube, CaptureMode::Compute, PLANE, CaptureMode::Hemisphere];
+const WHOLE: [CaptureMode; 5] =
+    [CaptureMode::Hemicube, CaptureMode::Compute, PLANE, CaptureMode::Hemisphere, CaptureMode::ComputeHemisphere];
 
 fn measure(scene: &Scene, capture: CaptureMode, capture_size: u32, places: &[Place]) -> Vec<Probe> {
     let device = gpu();
@@ -93,7 +94,7 @@ fn the_integrating_sphere_by_every_kind() {
         // stands for things whose distances it does not know.
         let of_r = match capture {
             CaptureMode::Plane { .. } => 0.25,
-            CaptureMode::Hemisphere => 0.08,
+            CaptureMode::Hemisphere | CaptureMode::ComputeHemisphere => 0.08,
             _ => 0.02,
         };
         assert!((e - 1.0).abs() < 0.001 && (r - 1.0).abs() < of_r, "{capture:?}: {e} {r}");
@@ -212,8 +213,9 @@ fn every_size_renders_and_the_plan_says_by_what() {
             let left_out = |pass| rendered.plan.left_out.iter().find(|l| l.pass == pass).map(|l| l.why.clone());
             let ran = |pass| rendered.passes.iter().any(|p| p.name == pass);
             assert!(ran("capture") != ran("capture_compute"));
-            assert_eq!(left_out("tessellate").is_none(), capture == CaptureMode::Hemisphere);
-            if capture == CaptureMode::Compute {
+            let is_curved = capture.projection() == Projection::Hemisphere && ran("capture");
+            assert_eq!(left_out("tessellate").is_none(), is_curved);
+            if matches!(capture, CaptureMode::Compute | CaptureMode::ComputeHemisphere) {
                 let fits = size * size * 4 + 8 <= gpu().capabilities.limits.max_compute_shared_memory_size;
                 assert_eq!(ran("capture_compute"), fits);
                 assert!(fits || left_out("capture_compute").unwrap().contains("shared memory"));

@@ -1,7 +1,8 @@
-// A hemicube's faces rasterised in shared memory, after micro-rendering (Ritschel et al. 2009): no image is written, only
-// the light that each texel sees. One workgroup a (record, face) lists the clusters of triangles that the face may see and
-// draws them; each invocation takes one triangle of a cluster. Triangles are tested as directions, in homogeneous
-// coordinates (Olano and Greer 1997): what crosses the face's plane needs no clipping.
+// Views of a record rasterised in shared memory, after micro-rendering (Ritschel et al. 2009): no image is written, only
+// the light that each texel sees. A view is a hemicube's face, or the hemisphere projected onto the disc below it. One
+// workgroup a (record, view) lists the clusters of triangles that the view may see and draws them; each invocation takes
+// one triangle of a cluster. Triangles are tested by the texels' directions, in homogeneous coordinates (Olano and Greer
+// 1997): what crosses the face's plane needs no clipping, and no projection bends a side.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
@@ -13,6 +14,7 @@ layout(constant_id = 0) const uint SIZE = 32;
 layout(constant_id = 1) const uint HAS_MASKS = 0;
 layout(constant_id = 2) const uint HAS_SKY = 0;
 layout(constant_id = 3) const uint HAS_TRANSLATION = 1;  // planes are wanted
+layout(constant_id = 4) const uint IS_DISC = 0;
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Visible { uint visible[]; };  // a bit a cluster, by frame and face
@@ -22,6 +24,7 @@ layout(set = 0, binding = 4, std430) readonly buffer FirstCell { uint first_cell
 layout(set = 0, binding = 5, std430) readonly buffer CellRadiance { float cell_radiance[]; };
 layout(set = 0, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
 layout(set = 0, binding = 7, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
+layout(set = 0, binding = 8) uniform textureBuffer disc;  // of each texel: its direction, its place in the square (bits)
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     uint word_count;
@@ -44,8 +47,8 @@ shared uint keys[SIZE * SIZE];
 shared uint list[WORDS * 32];
 shared uint counts[THREADS];
 
-// A face of a record's hemicube.
-struct View { uint face; mat3 axes; Frame frame; };
+// A face of a record's hemicube, or its disc, which looks as the first face does.
+struct View { uint face; mat3 axes; Frame frame; uint first_word; };
 // Corners, in face coordinates; of its alpha mask cells along a side, 0 without one, and the first texel.
 struct Triangle { vec3 a, b, c; uvec2 mask; };
 struct Box { ivec2 low, high; };    // texels, both ends included
@@ -72,10 +75,25 @@ Triangle load(View view, uint triangle) {
 // The point of the face's plane at distance 1 in a texel's centre. Row 0 is at the top.
 vec2 texel_centre(ivec2 at) { return ((vec2(at) + 0.5) * (2.0 / float(SIZE)) - 1.0) * vec2(1.0, -1.0); }
 
-// The face's own rows: above the horizon on the sides.
-int rows(uint face) { return int(face == 0 ? SIZE : SIZE / 2); }
+// Direction of a place in the square, in face coordinates: of length 1 on the disc, of depth 1 on a face.
+vec3 direction_of(ivec2 at) {
+    vec2 p = texel_centre(at);
+    return vec3(p, IS_DISC != 0 ? sqrt(max(1.0 - dot(p, p), 0.0)) : 1.0);
+}
 
-Box whole(uint face) { return Box(ivec2(0), ivec2(int(SIZE), rows(face)) - 1); }
+// A texel's direction, and the place of its key. The disc has none outside.
+struct Spot { vec3 way; uint key; };
+
+Spot spot_of(uint i) {
+    if (IS_DISC == 0) return Spot(direction_of(ivec2(i % SIZE, i / SIZE)), i);
+    vec4 texel = texelFetch(disc, int(i));
+    return Spot(texel.xyz, floatBitsToUint(texel.w));
+}
+
+// The face's own rows: above the horizon on the sides.
+uint rows(uint face) { return face == 0 ? SIZE : SIZE / 2; }
+
+Box whole(uint face) { return Box(ivec2(0), ivec2(SIZE, rows(face)) - 1); }
 
 // Texels whose centres lie within [least, most] of the plane at distance 1, or a hair beyond: rounding must not lose one.
 Box texels_within(uint face, vec2 least, vec2 most) {
@@ -95,6 +113,7 @@ uint depth_key(float z) {
 
 bool outside(Triangle t, uint face) {
     vec3 x = vec3(t.a.x, t.b.x, t.c.x), y = vec3(t.a.y, t.b.y, t.c.y), z = vec3(t.a.z, t.b.z, t.c.z);
+    if (IS_DISC != 0) return all(lessThanEqual(z, vec3(0.0)));
     bool below = face > 0 && all(lessThan(y, vec3(0.0)));
     return below || all(lessThanEqual(z, vec3(0.0))) || all(greaterThan(x, z)) || all(lessThan(x, -z))
         || all(greaterThan(y, z)) || all(lessThan(y, -z));
@@ -116,8 +135,19 @@ void include(vec3 a, vec3 b, inout vec2 least, inout vec2 most) {
     }
 }
 
+// On the sphere a triangle's points are those p of the flat one between the corners' directions, divided by |p|. None is
+// nearer than the flat one's extent along a direction, so that p/|p| lies between p and p divided by that.
+Box bounds_on_disc(Triangle t) {
+    vec3 a = normalize(t.a), b = normalize(t.b), c = normalize(t.c), middle = normalize(a + b + c);
+    float nearest = min(dot(middle, a), min(dot(middle, b), dot(middle, c)));
+    if (!(nearest > 0.0)) return whole(0);
+    vec2 least = min(a.xy, min(b.xy, c.xy)), most = max(a.xy, max(b.xy, c.xy));
+    return texels_within(0, min(least, least / nearest), max(most, most / nearest));
+}
+
 Box bounds(Triangle t, uint face) {
     if (outside(t, face)) return Box(ivec2(0), ivec2(-1));
+    if (IS_DISC != 0) return bounds_on_disc(t);
     vec2 least = vec2(FAR), most = vec2(-FAR);
     include(t.a, t.b, least, most);
     include(t.b, t.c, least, most);
@@ -140,12 +170,14 @@ Sides sides_of(vec3 x, vec3 y, vec3 z) {
     return Sides(mix(vec3(0.0), slope, is_bound), mix(mix(vec3(FAR), vec3(-FAR), is_left), offset, is_bound), is_left);
 }
 
-// First and last column between the sides.
-ivec2 columns(Sides sides, float y) {
+// First and last column of a box between the sides. On the disc these are arcs, and the box alone bounds a row.
+ivec2 columns(Sides sides, Box box, float y) {
+    if (IS_DISC != 0) return ivec2(box.low.x, box.high.x);
     vec3 at = sides.slope * y + sides.offset;
     vec3 left = mix(vec3(-FAR), at, sides.is_left), right = mix(at, vec3(FAR), sides.is_left);
     float from = max(left.x, max(left.y, left.z)), to = min(right.x, min(right.y, right.z));
-    return ivec2(ceil(clamp(from, -1.0, float(SIZE))), floor(clamp(to, -1.0, float(SIZE))));
+    ivec2 between = ivec2(ceil(clamp(from, -1.0, float(SIZE))), floor(clamp(to, -1.0, float(SIZE))));
+    return ivec2(max(box.low.x, between.x), min(box.high.x, between.y));
 }
 
 // Whether the surface is there at the point (1−u−v)·a + u·b + v·c.
@@ -153,6 +185,12 @@ bool is_present(uvec2 mask, vec2 uv) {
     uint cell = cell_at(max(mask.x, 1), uv);
     uvec4 bits = floatBitsToUint(texelFetch(masks, int(mask.y + cell / 128)));
     return mask.x == 0 || (bits[cell / 32 % 4] >> cell % 32 & 1) != 0;
+}
+
+// On which side of an edge a direction lies: exactly the negative for the edge in the other sense.
+float side_of(vec3 edge, vec3 way) {
+    precise float side = edge.x * way.x + edge.y * way.y + (IS_DISC != 0 ? edge.z * way.z : edge.z);
+    return side;
 }
 
 // One loop over the rows and columns of a box, not one in another: side by side, invocations wait for the largest
@@ -173,14 +211,12 @@ void rasterise(Triangle t, Box box, uint id) {
     while (at.y < box.high.y || (at.y == box.high.y && at.x <= last)) {
         if (at.x > last) {
             ++at.y;
-            ivec2 between = columns(sides, texel_centre(at).y);
-            at.x = max(box.low.x, between.x);
-            last = min(box.high.x, between.y);
+            ivec2 between = columns(sides, box, texel_centre(at).y);
+            at.x = between.x;
+            last = between.y;
         }
-        vec2 p = texel_centre(at);
-        precise vec3 side = vec3(ea.x * p.x + ea.y * p.y + ea.z, eb.x * p.x + eb.y * p.y + eb.z,
-                                 ec.x * p.x + ec.y * p.y + ec.z);
-        float sum = dot(normal, vec3(p, 1.0)), z = volume / sum;
+        vec3 way = direction_of(at), side = vec3(side_of(ea, way), side_of(eb, way), side_of(ec, way));
+        float sum = dot(normal, way), z = volume / sum;
         bool drawn = at.x <= last && all(greaterThanEqual(side, vec3(0.0))) && sum > 0.0;
         if (HAS_MASKS != 0) drawn = drawn && is_present(t.mask, side.yz / sum);
         if (drawn) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z) << ID_BITS) | id);
@@ -189,26 +225,27 @@ void rasterise(Triangle t, Box box, uint id) {
 }
 
 // Number of the triangle that a texel sees, plus 1; 0 for none.
-uint triangle_at(uint i, uint first) {
-    if (keys[i] == NOTHING) return 0;
-    uint entry = (keys[i] >> PLACE_BITS) & ((1 << ENTRY_BITS) - 1), place = keys[i] & (THREADS - 1);
+uint triangle_at(uint i, uint key, uint first) {
+    if (key == NOTHING) return 0;
+    uint entry = (key >> PLACE_BITS) & ((1 << ENTRY_BITS) - 1), place = key & (THREADS - 1);
     return entry == 0 ? floatBitsToUint(gathered[STRIDE * (first + i)].x) : list[entry - 1] * THREADS + place + 1;
 }
 
 // Makes the list free: keeps what texels see so far in `gathered`.
 void retire(uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
-        if (keys[i] == NOTHING) continue;
-        gathered[STRIDE * (first + i)].x = uintBitsToFloat(triangle_at(i, first));
-        keys[i] = keys[i] >> ID_BITS << ID_BITS;
+        uint at = spot_of(i).key, key = keys[at];
+        if (key == NOTHING) continue;
+        gathered[STRIDE * (first + i)].x = uintBitsToFloat(triangle_at(i, key, first));
+        keys[at] = key >> ID_BITS << ID_BITS;
     }
 }
 
 // Lists the clusters whose bits are set in WORDS words from `start` on; returns how many.
-uint list_clusters(uint start) {
+uint list_clusters(View view, uint start) {
     uint me = gl_LocalInvocationID.x;
     bool mine = me < WORDS && start + me < push.word_count;
-    uint bits = mine ? visible[gl_WorkGroupID.x * push.word_count + start + me] : 0;
+    uint bits = mine ? visible[view.first_word + start + me] : 0;
     counts[me] = bitCount(bits);
     barrier();
     uint entry = 0, all = 0;
@@ -226,7 +263,7 @@ void draw(View view, uint texels, uint first) {
     for (uint start = 0; start < push.word_count; start += WORDS) {
         if (start > 0) retire(texels, first);
         barrier();
-        uint listed = list_clusters(start);
+        uint listed = list_clusters(view, start);
         for (uint entry = 0; entry < listed; ++entry) {
             uint triangle = list[entry] * THREADS + me;
             Triangle t = load(view, min(triangle, push.triangle_count - 1));
@@ -238,10 +275,10 @@ void draw(View view, uint texels, uint first) {
 
 void clear(View view, uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
-        vec3 direction = to_world(view.frame, face_direction(view.face, texel_centre(ivec2(i % SIZE, i / SIZE))));
-        bool above = dot(direction, view.frame.horizon.xyz) > 0.0;
+        Spot spot = spot_of(i);
+        bool above = dot(spot.way * view.axes, view.frame.horizon.xyz) > 0.0;
         // Below the horizon nothing is nearer than the nothing that is there already.
-        keys[i] = above ? NOTHING : 0;
+        keys[spot.key] = above ? NOTHING : 0;
         if (!above) gathered[STRIDE * (first + i)].x = 0.0;
     }
 }
@@ -249,8 +286,9 @@ void clear(View view, uint texels, uint first) {
 void gather(View view, uint texels, uint first) {
     mat3 axes = local_axes(view.face);
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
-        uint triangle = triangle_at(i, first), at = STRIDE * (first + i);
-        vec3 way = normalize(vec3(texel_centre(ivec2(i % SIZE, i / SIZE)), 1.0)), plane = vec3(0.0), beyond = vec3(0.0);
+        Spot spot = spot_of(i);
+        uint key = keys[spot.key], triangle = triangle_at(i, key, first), at = STRIDE * (first + i);
+        vec3 way = normalize(spot.way), plane = vec3(0.0), beyond = vec3(0.0);
         vec4 seen = vec4(0.0);
         if (triangle != 0) {
             Triangle t = load(view, triangle - 1);
@@ -262,7 +300,7 @@ void gather(View view, uint texels, uint first) {
             seen = vec4(cell_light(name, front, barycentrics(t.a, e1, e2, way)), max(dot(plane, way), 0.0));
         }
         if (HAS_SKY != 0) {
-            if (keys[i] == NOTHING) beyond = sky_radiance(way * view.axes);
+            if (key == NOTHING) beyond = sky_radiance(way * view.axes);
             gathered[at + 1] = vec4(beyond, 0.0);
         }
         gathered[at] = seen;
@@ -271,9 +309,9 @@ void gather(View view, uint texels, uint first) {
 }
 
 void main() {
-    uint record = gl_WorkGroupID.x / 5, face = gl_WorkGroupID.x % 5;
-    View view = View(face, world_axes(face, frames[record]), frames[record]);
-    uint texels = SIZE * rows(face);
+    uint views = IS_DISC != 0 ? 1 : 5, record = gl_WorkGroupID.x / views, face = gl_WorkGroupID.x % views;
+    View view = View(face, world_axes(face, frames[record]), frames[record], (5 * record + face) * push.word_count);
+    uint texels = IS_DISC != 0 ? push.texel_count : SIZE * rows(face);
     uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * SIZE + (face - 1) * (SIZE * SIZE / 2));
     clear(view, texels, first);
     barrier();

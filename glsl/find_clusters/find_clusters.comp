@@ -8,6 +8,7 @@
 layout(local_size_x = 32) in;
 
 layout(constant_id = 0) const uint SIZE = 32;
+layout(constant_id = 2) const uint IS_DISC = 0;  // one view of the hemisphere in the first face's place
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1) uniform textureBuffer groups;    // lowest and highest corner of the box of 32 clusters
@@ -39,7 +40,23 @@ bool sees(uint face, Box box) {
     return box.above && ahead && (low.z <= 0.0 || all(lessThanEqual(from, to)));
 }
 
-bool sees_any(Box box) { return sees(0, box) || sees(1, box) || sees(2, box) || sees(3, box) || sees(4, box); }
+// Likewise of the disc below the hemisphere: within a cap around the box's sphere.
+bool sees_on_disc(Box box) {
+    float distance_ = length(box.centre), sine = length(box.extent) / distance_;
+    if (!(sine < 1.0)) return box.above;
+    vec2 centre = box.centre.xy / distance_;
+    float cosine = sqrt(1.0 - sine * sine);
+    vec2 reach = sqrt(max(1.0 - centre * centre, 0.0)) * sine, least = cosine * centre - reach, most = cosine * centre + reach;
+    least = mix(least, vec2(-1.0), lessThan(centre, vec2(-cosine)));
+    most = mix(most, vec2(1.0), greaterThan(centre, vec2(cosine)));
+    vec2 from = ceil((least + 1.0) * (0.5 * float(SIZE)) - 0.501), to = floor((most + 1.0) * (0.5 * float(SIZE)) - 0.499);
+    return box.above && box.centre.z + box.extent.z > 0.0 && all(lessThanEqual(from, to));
+}
+
+bool sees_any(Box box) {
+    if (IS_DISC != 0) return sees_on_disc(box);
+    return sees(0, box) || sees(1, box) || sees(2, box) || sees(3, box) || sees(4, box);
+}
 
 void main() {
     uint word = gl_GlobalInvocationID.x, record = gl_WorkGroupID.y;
@@ -52,6 +69,10 @@ void main() {
     for (uint i = 0; i < count; ++i) {
         at = 2 * int(first + i);
         Box box = local_box(frame, texelFetch(clusters, at).xyz, texelFetch(clusters, at + 1).xyz);
+        if (IS_DISC != 0) {
+            bits[0] |= sees_on_disc(box) ? 1 << i : 0;
+            continue;
+        }
         bits[0] |= sees(0, box) ? 1 << i : 0;
         bits[1] |= sees(1, box) ? 1 << i : 0;
         bits[2] |= sees(2, box) ? 1 << i : 0;

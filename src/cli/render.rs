@@ -150,6 +150,8 @@ enum CaptureArg {
     Hemisphere,
     /// Hemicubes rasterised in compute, in shared memory
     Compute,
+    /// The hemisphere's projection rasterised in compute; triangles stay as they are
+    ComputeHemisphere,
 }
 
 /// `--compensation`
@@ -294,6 +296,7 @@ impl RenderArgs {
             CaptureArg::Auto => CaptureMode::Auto,
             CaptureArg::Hemicube => CaptureMode::Hemicube,
             CaptureArg::Compute => CaptureMode::Compute,
+            CaptureArg::ComputeHemisphere => CaptureMode::ComputeHemisphere,
             CaptureArg::Plane => {
                 CaptureMode::Plane { aperture: self.aperture, compensated: self.compensation == CompensationArg::On }
             }

@@ -3,7 +3,7 @@
 use super::Ground;
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
-use crate::passes::capture_compute::{self, CaptureCompute};
+use crate::passes::capture_compute::{CaptureCompute, Looks};
 use crate::passes::find_clusters::FindClusters;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::integrate::{Captured, CapturedBy};
@@ -45,6 +45,9 @@ pub enum CaptureMode {
     Hemisphere,
     /// Hemicubes in compute where that fits, whatever the device.
     Compute,
+    /// The hemisphere's projection in compute where that fits, by the texels' directions: sides of triangles are as they are,
+    /// and none are cut.
+    ComputeHemisphere,
 }
 
 impl CaptureMode {
@@ -55,7 +58,7 @@ impl CaptureMode {
             Self::Plane { aperture, compensated } => {
                 Projection::Plane { half_width: (aperture / 2.0).to_radians().tan(), compensated }
             }
-            Self::Hemisphere => Projection::Hemisphere,
+            Self::Hemisphere | Self::ComputeHemisphere => Projection::Hemisphere,
         }
     }
 
@@ -108,12 +111,13 @@ impl Captures {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
             // At most as much again for the bits of visible clusters.
             let by_bits = BATCH_BYTES / FindClusters::bytes_per_frame(tree).max(1);
-            let texels = u64::from(capture_compute::texels(size));
+            let looks = Looks::new(projection, size);
+            let texels = u64::from(looks.texels);
             let by_texels = Gathered::most_viewed(device, kinds) / texels;
             let capacity = u64::from(capacity).min(by_bits).min(by_texels).max(1);
             let gathered = Gathered::viewed(device, texels * capacity, kinds)?;
             let capacity = capacity as u32;
-            let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), size, capacity)?;
+            let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), &looks, capacity)?;
             return Ok(Self { by: By::Compute(Box::new(capture)), gathered, projection, size, capacity });
         }
         let desc = CaptureDesc {

@@ -1,4 +1,4 @@
-//! The fused capture: hemicubes rasterised in compute, in shared memory.
+//! The fused capture: hemicubes, or hemispheres on a disc, rasterised in compute, in shared memory.
 //!
 //! The same texels as [`super::capture`] sees, within the rasterisation rules: texels whose centre lies on an edge may fall
 //! to either side, and of two surfaces whose distances differ by less than 2⁻¹¹ of the distance either may be seen. Alpha
@@ -6,13 +6,14 @@
 //! or a 64th of the triangle's side.
 
 use super::cluster_tree::ClusterTree;
-use super::find_clusters::FindClusters;
+use super::find_clusters::{FACES, FindClusters};
 use super::gathered::{Gathered, Kinds};
 use super::geometry::{CLUSTER, Geometry};
+use crate::math::capture::{Projection, Texel};
 use crate::scene::Scene;
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
-    Specialisation, gpu_types::Frame, spirv,
+    Specialisation, TexelBuffer, gpu_types::Frame, spirv,
 };
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -31,6 +32,25 @@ struct Push {
     texel_count: u32,
 }
 
+/// How a record looks.
+pub struct Looks {
+    size: u32,
+    /// Texels of a record.
+    pub texels: u32,
+    /// Of each texel of a disc, its direction and its place in the square (bits).
+    disc: Option<Vec<[f32; 4]>>,
+}
+
+impl Looks {
+    /// By `projection`, a hemicube or a hemisphere, with `size` texels a side.
+    pub fn new(projection: Projection, size: u32) -> Self {
+        let texels = projection.table(size).texels;
+        let spot = |t: &Texel| t.direction.as_vec3().extend(f32::from_bits(t.y * size + t.x)).to_array();
+        let disc = (projection == Projection::Hemisphere).then(|| texels.iter().map(spot).collect());
+        Self { size, texels: texels.len() as u32, disc }
+    }
+}
+
 /// The pass.
 pub struct CaptureCompute {
     find: FindClusters,
@@ -39,11 +59,13 @@ pub struct CaptureCompute {
     push: Push,
     /// Frames to look from.
     pub frames: Buffer,
+    views: u32,
+    _disc: Option<TexelBuffer>,
     _layout: SetLayout,
 }
 
 impl CaptureCompute {
-    /// What keeps hemicubes of `size` texels a side in `scene` from fitting, if something does: a face must fit into
+    /// What keeps captures of `size` texels a side in `scene` from fitting, if something does: a face must fit into
     /// shared memory, the corners into a buffer, the alpha masks into their budget.
     pub fn misfit(device: &Device, scene: &Scene, size: u32) -> Option<String> {
         let triangles = scene.triangles.len();
@@ -59,18 +81,21 @@ impl CaptureCompute {
         too_many.then(corners).or_else(|| scene.too_many_masked())
     }
 
-    /// Captures up to `capacity` hemicubes of `size` texels a side, of the triangles in `tree`, into `gathered`; `sky` where
-    /// that keeps it.
+    /// Captures up to `capacity` times what `looks` says, of the triangles in `tree`, into `gathered`; `sky` where that keeps
+    /// it.
     pub fn new(
         device: &Arc<Device>,
         (geometry, tree): (&Geometry, &ClusterTree),
         (gathered, sky): (&Gathered, Option<&Buffer>),
-        size: u32,
+        looks: &Looks,
         capacity: u32,
     ) -> Result<Self> {
+        let (size, is_disc) = (looks.size, looks.disc.is_some());
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
         let frames = Buffer::new(device, "capture frames", frames, Memory::Device)?;
-        let find = FindClusters::new(device, tree, &frames, size, capacity)?;
+        let find = FindClusters::new(device, tree, &frames, (size, is_disc), capacity)?;
+        let disc =
+            looks.disc.as_ref().map(|disc| TexelBuffer::with_data(device, "capture tables", disc)).transpose()?;
         let bindings = [
             Binding::Storage(&frames),
             Binding::Storage(&find.visible),
@@ -81,6 +106,7 @@ impl CaptureCompute {
             Binding::Storage(&geometry.cell_radiance),
             Binding::Storage(sky.unwrap_or(&geometry.first_cell)),
             Binding::Storage(gathered.buffer()),
+            Binding::TexelBuffer(disc.as_ref().unwrap_or(&tree.corners)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
@@ -90,12 +116,13 @@ impl CaptureCompute {
             nearest: geometry.radius * NEAREST,
             word_count: FindClusters::words(tree),
             triangle_count: geometry.triangle_count,
-            texel_count: texels(size),
+            texel_count: looks.texels,
         };
-        let flags = [tree.masks.is_some(), gathered.kinds.sky, gathered.kinds.planes].map(u32::from);
+        let flags = [tree.masks.is_some(), gathered.kinds.sky, gathered.kinds.planes, is_disc].map(u32::from);
         let constants = Specialisation([size].into_iter().chain(flags).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
-        Ok(Self { find, pipeline, set, push, frames, _layout: layout })
+        let views = if is_disc { 1 } else { FACES };
+        Ok(Self { find, pipeline, set, push, frames, views, _disc: disc, _layout: layout })
     }
 
     /// Finds the clusters that the first `count` frames see.
@@ -107,18 +134,13 @@ impl CaptureCompute {
     pub fn record(&self, commands: &Commands, count: u32) {
         self.pipeline.bind(commands, &[&self.set]);
         self.pipeline.layout.push(commands, &self.push);
-        self.pipeline.dispatch(commands, [count * 5, 1, 1]);
+        self.pipeline.dispatch(commands, [count * self.views, 1, 1]);
     }
 }
 
-/// Texels of a hemicube.
-pub fn texels(size: u32) -> u32 {
-    3 * size * size
-}
-
-/// Values of the larger table that [`super::integrate`] fetches: three for each of two edges a texel.
+/// Values of the larger table that [`super::integrate`] fetches for a hemicube: three for each of two edges a texel.
 fn tables(size: u32) -> u32 {
-    3 * 2 * texels(size)
+    3 * 2 * 3 * size * size
 }
 
 /// Shared memory of a workgroup: keys, and the list of clusters with the counts that order it.

@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 /// Faces of a hemicube.
-const FACES: u32 = 5;
+pub const FACES: u32 = 5;
 /// Invocations of a workgroup.
 const THREADS: u32 = 32;
 
@@ -41,8 +41,15 @@ impl FindClusters {
         u64::from(FACES * Self::words(tree)) * 4
     }
 
-    /// Finds clusters for up to `capacity` of `frames`, whose faces have `size` texels a side.
-    pub fn new(device: &Arc<Device>, tree: &ClusterTree, frames: &Buffer, size: u32, capacity: u32) -> Result<Self> {
+    /// Finds clusters for up to `capacity` of `frames`, whose faces have `size` texels a side; the first face's are those of
+    /// all where one view projects the hemisphere onto a `disc`.
+    pub fn new(
+        device: &Arc<Device>,
+        tree: &ClusterTree,
+        frames: &Buffer,
+        (size, disc): (u32, bool),
+        capacity: u32,
+    ) -> Result<Self> {
         let bytes = Self::bytes_per_frame(tree) * u64::from(capacity);
         let visible = Buffer::new(device, "visible clusters", bytes, Memory::Device)?;
         let bindings = [
@@ -55,7 +62,12 @@ impl FindClusters {
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let code = spirv!("find_clusters", "find_clusters.comp");
-        let pipeline = ComputePipeline::new("find_clusters", &pipeline_layout, code, &Specialisation(vec![size]))?;
+        let pipeline = ComputePipeline::new(
+            "find_clusters",
+            &pipeline_layout,
+            code,
+            &Specialisation(vec![size, 0, u32::from(disc)]),
+        )?;
         let push = Push { cluster_count: tree.cluster_count, word_count: Self::words(tree) };
         Ok(Self { pipeline, set, push, visible, _layout: layout })
     }

@@ -46,7 +46,7 @@ impl Plan {
         let facts = Facts::of(scene);
         let full = settings.full_plan;
         let mut plan = Self::default();
-        let cut = settings.longest_side().is_some();
+        let cut = settings.longest_side(scene, device).is_some();
         plan.part("tessellate", cut, "no projection bends the sides of triangles, and none are to be cut");
         plan.run.push("gbuffer");
         plan.emission = plan.part("emission", facts.emits || full, "no material emits");

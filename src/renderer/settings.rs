@@ -7,6 +7,7 @@ use crate::methods::light_samples::LightSettings;
 use crate::passes::integrate::{Gradients, Radius};
 use crate::passes::resolve::Plane;
 use crate::passes::splat::Weight;
+use crate::scene::Scene;
 use crate::vk::Device;
 
 /// Longest side for hemispheres, whose projection bends sides. In the Cornell box half of it costs three times as much for
@@ -79,9 +80,12 @@ pub struct SettingsError {
 }
 
 impl Settings {
-    /// Longest side of a triangle as a share of the scene's diagonal, where triangles are to be cut.
-    pub fn longest_side(&self) -> Option<f32> {
-        let is_curved = self.cache.capture.projection() == Projection::Hemisphere;
+    /// Longest side of a triangle of `scene` as a share of its diagonal, where triangles are to be cut. Without a device,
+    /// captures are taken to be render passes.
+    pub fn longest_side(&self, scene: &Scene, device: Option<&Device>) -> Option<f32> {
+        let CacheSettings { capture, capture_size, .. } = self.cache;
+        let by_passes = || device.is_none_or(|device| capture.against_compute(device, scene, capture_size).is_some());
+        let is_curved = capture.projection() == Projection::Hemisphere && by_passes();
         self.tessellation.or(is_curved.then_some(HEMISPHERE_SIDE))
     }
 

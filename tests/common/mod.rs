@@ -81,9 +81,10 @@ pub fn each_capture(settings: Settings) -> [Settings; 2] {
 }
 
 /// The settings for every kind of capture.
-pub fn every_capture(settings: Settings) -> [Settings; 4] {
+pub fn every_capture(settings: Settings) -> [Settings; 5] {
     let plane = CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: true };
-    [CaptureMode::Hemicube, CaptureMode::Compute, plane, CaptureMode::Hemisphere].map(|capture| {
+    let (compute, disc) = (CaptureMode::Compute, CaptureMode::ComputeHemisphere);
+    [CaptureMode::Hemicube, compute, plane, CaptureMode::Hemisphere, disc].map(|capture| {
         let mut settings = settings.clone();
         settings.cache.capture = capture;
         settings

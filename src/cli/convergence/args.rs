@@ -138,6 +138,8 @@ pub enum CaptureArg {
     Hemisphere,
     /// Hemicubes rasterised in compute
     Compute,
+    /// The hemisphere's projection rasterised in compute
+    ComputeHemisphere,
 }
 
 /// `--gradients`
@@ -170,6 +172,7 @@ impl CaptureArg {
             Self::Plane => "plane",
             Self::Hemisphere => "hemisphere",
             Self::Compute => "compute",
+            Self::ComputeHemisphere => "compute-hemisphere",
         }
     }
 }

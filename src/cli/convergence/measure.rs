@@ -1,8 +1,8 @@
 //! Runs one point, several times over, and says what it cost.
 
-use super::ConvergenceArgs;
 use super::task::{DIRECT_SPP, PATH_SEED, Task};
 use super::truth::Truth;
+use super::{CaptureArg, ConvergenceArgs};
 use anyhow::{Result, bail};
 use hemicube::image::metrics::{measure, measure_flip};
 use hemicube::image::{Kind, Layer, Picture};
@@ -136,7 +136,8 @@ impl Bench<'_> {
             Ok(seconds)
         })?;
         let Some(rendered) = last else { bail!("no run") };
-        let wants_compute = matches!(task, Task::Splatting { capture: super::CaptureArg::Compute, .. });
+        let in_compute = |capture| matches!(capture, CaptureArg::Compute | CaptureArg::ComputeHemisphere);
+        let wants_compute = matches!(task, Task::Splatting { capture, .. } if in_compute(*capture));
         let ran_compute = rendered.passes.iter().any(|pass| pass.name == "capture_compute");
         if wants_compute && !ran_compute && rendered.cache.records > 0 {
             bail!(DoesNotFit);

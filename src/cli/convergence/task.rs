@@ -93,6 +93,7 @@ impl Task {
                 CaptureArg::Plane => CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: true },
                 CaptureArg::Hemisphere => CaptureMode::Hemisphere,
                 CaptureArg::Compute => CaptureMode::Compute,
+                CaptureArg::ComputeHemisphere => CaptureMode::ComputeHemisphere,
             };
             let both = gradients == GradientsArg::Both;
             settings.cache.gradients = Gradients { rotation: both, translation: both };
