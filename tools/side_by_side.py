@@ -22,11 +22,11 @@ def main():
         failed = sum(row["holds"] != "yes" for row in rows)
         print(f"{name}: {rows[0]['device']}, {len(rows)} rows, {failed} out of bounds")
     print()
-    print("| case | quantity | tolerance |", " | ".join(tables), "|")
-    print("|---|---|---|" + "---|" * len(tables))
+    print("| capture | case | quantity | tolerance |", " | ".join(tables), "|")
+    print("|---|---|---|---|" + "---|" * len(tables))
     for rows in zip(*tables.values()):
         mark = [row["error"] if row["holds"] == "yes" else f"**{row['error']}**" for row in rows]
-        print(f"| {rows[0]['case']} | {rows[0]['quantity']} | {rows[0]['tolerance']} |", " | ".join(mark), "|")
+        print(f"| {rows[0]['capture']} | {rows[0]['case']} | {rows[0]['quantity']} | {rows[0]['tolerance']} |", " | ".join(mark), "|")
 
 
 if __name__ == "__main__":

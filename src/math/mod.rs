@@ -2,6 +2,7 @@
 
 pub mod adjacency;
 pub mod capture;
+pub mod cells;
 pub mod form_factor;
 pub mod sampling;
 pub mod sequence;

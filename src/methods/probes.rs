@@ -7,6 +7,7 @@
 use super::captures::{CaptureMode, Captures, LIFT, NEAR};
 use super::direct::{DirectLight, Extent, LightSettings, TooManyLights, light_sets};
 use super::{Ground, upload_sky};
+use crate::math::cells;
 use crate::passes::geometry::Geometry;
 use crate::passes::integrate::{Gradients, Integrate, Limits, Radius};
 use crate::passes::material::Textures;
@@ -14,7 +15,7 @@ use crate::scene::Scene;
 use crate::vk::gpu_types::{Frame, Payload, Record};
 use crate::vk::pass::Recorder;
 use crate::vk::{Buffer, Device, Error as VulkanError, Memory};
-use glam::{Vec3, Vec4};
+use glam::{DVec3, Vec3, Vec4};
 use std::sync::Arc;
 
 /// Where irradiance is measured: a point of a surface that need not be part of the scene.
@@ -50,6 +51,15 @@ pub struct Probe {
     pub sky: Option<Irradiance>,
     /// 1/R: the harmonic mean, cosine-weighted, of the distances that are seen. The sky is infinitely far.
     pub inverse_distance: f32,
+}
+
+/// A piece of the surface that has one radiance on each side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceCell {
+    /// Corners, counter-clockwise as seen from the front.
+    pub corners: [DVec3; 3],
+    /// Radiance to the front and to the back, W·sr⁻¹·m⁻².
+    pub radiance: [Vec3; 2],
 }
 
 /// How places look at the scene and how the scene is lit.
@@ -152,6 +162,33 @@ impl<'a> Probes<'a> {
             done(batch.len());
         }
         Ok(probes)
+    }
+
+    /// The lit surface as captures see it, read back: every cell with its radiance.
+    pub fn surface(&self, recorder: &mut Recorder, device: &Arc<Device>) -> Result<Vec<SurfaceCell>> {
+        let (radiance, first) = (&self.geometry.cell_radiance, &self.geometry.first_cell);
+        let copies = [radiance, first].map(|b| Buffer::new(device, "surface radiance", b.size, Memory::Readback));
+        let [to_radiance, to_first] = copies;
+        let (to_radiance, to_first) = (to_radiance?, to_first?);
+        recorder.submit(|recording| {
+            recording.pass("readback", |c| {
+                c.copy_buffer(radiance, &to_radiance, radiance.size);
+                c.copy_buffer(first, &to_first, first.size);
+                Ok(())
+            })
+        })?;
+        let radiance: Vec<[[f32; 3]; 2]> = to_radiance.read(self.geometry.cell_count as usize);
+        let first: Vec<u32> = to_first.read(self.geometry.triangles.len() + 1);
+        let of_triangle = |(triangle, range): (&[u32; 3], &[u32])| {
+            let [p0, p1, p2] = triangle.map(|v| self.scene.positions[v as usize].as_dvec3());
+            let count = range[1] - range[0];
+            let cell = |i: u32| SurfaceCell {
+                corners: cells::corners(count.isqrt(), i).map(|b| p0 + (p1 - p0) * b.x + (p2 - p0) * b.y),
+                radiance: radiance[(range[0] + i) as usize].map(Vec3::from),
+            };
+            (0..count).map(cell).collect::<Vec<_>>()
+        };
+        Ok(self.geometry.triangles.iter().zip(first.windows(2)).flat_map(of_triangle).collect())
     }
 
     fn batch(&self, recorder: &mut Recorder, places: &[Place]) -> Result<()> {

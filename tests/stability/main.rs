@@ -9,26 +9,29 @@ mod common;
 mod frames;
 
 use common::gpu;
-use hemicube::methods::captures::CaptureMode;
-use hemicube::report::stability::{Bench, GROUPS, Row, closed_forms, evaluate};
+use hemicube::methods::probes::ProbeError;
+use hemicube::report::stability::{Bench, GROUPS, KINDS, Row, closed_forms, evaluate};
 
-/// Runs `measure` on the shared device; a validation message fails the test.
-fn checked(measure: impl Fn(&Bench) -> Vec<Row>) -> Vec<Row> {
+/// Runs `measure` with every kind of capture that `name` concerns; a validation message fails the test.
+fn checked(name: &str, measure: impl Fn(&Bench) -> Result<Vec<Row>, ProbeError>) -> Vec<Row> {
     let device = gpu();
     let before = device.instance.validation_messages();
-    let rows = measure(&Bench { device: device.clone(), capture: CaptureMode::Auto });
+    let kinds = KINDS.iter().filter(|kind| kind.covers(name));
+    let rows: Vec<Row> = kinds.flat_map(|kind| kind.rows(&device, &measure).unwrap()).collect();
     assert_eq!(device.instance.validation_messages() - before, 0, "validation messages; they are printed above");
     assert!(!rows.is_empty());
     for row in &rows {
         let order = row.order().map_or_else(String::new, |order| format!(", order {order:.2}"));
-        let Row { case, quantity, expected, got, errors, .. } = row;
+        let Row { capture, case, quantity, expected, got, errors, .. } = row;
         let mark = if row.holds() { "" } else { "  <-- out of bounds" };
         let errors: Vec<String> = errors.iter().map(|(size, error)| format!("{size}: {error:.1e}")).collect();
         let (errors, limit) = (errors.join(", "), row.tolerance());
-        eprintln!("{case}: {quantity} {got:.6} for {expected:.6}; {errors}, at most {limit:.1e}{order}{mark}");
+        eprintln!(
+            "{capture}, {case}: {quantity} {got:.6} for {expected:.6}; {errors}, at most {limit:.1e}{order}{mark}"
+        );
     }
     let failed: Vec<_> =
-        rows.iter().filter(|row| !row.holds()).map(|r| format!("{}: {}", r.case, r.quantity)).collect();
+        rows.iter().filter(|row| !row.holds()).map(|r| format!("{}, {}: {}", r.capture, r.case, r.quantity)).collect();
     assert!(failed.is_empty(), "out of bounds: {failed:#?}");
     rows
 }
@@ -38,7 +41,7 @@ const OF_TEXELS: f64 = 2e-3;
 
 fn case(name: &str) {
     let case = closed_forms().into_iter().find(|case| case.name == name).unwrap();
-    let rows = checked(|bench| evaluate(bench, &case).unwrap());
+    let rows = checked(name, |bench| evaluate(bench, &case));
     let texels = rows.iter().filter(|row| row.errors[0].1 > OF_TEXELS);
     let orders: Vec<f64> = texels.filter_map(Row::order).collect();
     if orders.len() > 2 {
@@ -50,7 +53,7 @@ fn case(name: &str) {
 
 fn group(name: &str) {
     let (_, measure) = GROUPS.into_iter().find(|(group, _)| *group == name).unwrap();
-    let _ = checked(|bench| measure(bench).unwrap());
+    let _ = checked(name, measure);
 }
 
 macro_rules! rows {
@@ -62,6 +65,7 @@ macro_rules! rows {
 
 rows!(case:
     rectangle = "rectangle",
+    rectangle_ahead = "rectangle ahead",
     polygon = "polygon",
     parallel_plates = "parallel plates",
     sphere_light = "sphere light",
@@ -84,9 +88,11 @@ rows!(group:
     world_by_powers_of_two = "world × 2^k",
     emission_by_powers_of_two = "emission × 2^k",
     scales = "scale",
+    far_origin = "far origin",
     radiance_range = "radiance 10⁶ : 1",
     near_black = "near-black",
     thin_wall = "thin wall",
+    two_rooms = "two rooms",
     needles = "needles",
     bad_triangles = "bad triangles",
     one_texel_light = "one-texel light",

@@ -2,9 +2,8 @@
 
 use super::ConvergenceArgs;
 use anyhow::{Context, Result};
-use hemicube::methods::captures::CaptureMode;
 use hemicube::report::progress::Progress;
-use hemicube::report::stability::{Bench, csv, markdown, run as run_suite};
+use hemicube::report::stability::{csv, markdown, run as run_suite};
 use std::fs;
 use std::process::ExitCode;
 
@@ -14,13 +13,15 @@ pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
     fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let device = args.device.open()?;
     let name = format!("{} ({})", device.physical.name, device.physical.driver.trim());
-    let bench = Bench { device: device.clone(), capture: CaptureMode::Auto };
     let stage = Progress::new(args.quiet).stage("groups", hemicube::report::stability::group_count());
-    let rows = run_suite(&bench, |group| {
+    let rows = run_suite(&device, |group| {
         for row in group.iter().filter(|row| !args.quiet || !row.holds()) {
             let mark = if row.holds() { "" } else { ", OUT OF BOUNDS" };
             let (error, tolerance) = (row.error(), row.tolerance());
-            eprintln!("{}: {}: error {error:.1e} of at most {tolerance:.1e}{mark}", row.case, row.quantity);
+            eprintln!(
+                "{}, {}: {}: error {error:.1e} of at most {tolerance:.1e}{mark}",
+                row.capture, row.case, row.quantity
+            );
         }
         stage.advance(1);
     })?;

@@ -124,6 +124,7 @@ pub fn evaluate(bench: &Bench, case: &Case) -> Result<Vec<Row>, ProbeError> {
 
 fn empty_rows(case: &Case) -> Vec<Row> {
     let row = |site: &Site, known: &Known| Row {
+        capture: "",
         case: if site.words.is_empty() { case.name.into() } else { format!("{}, {}", case.name, site.words) },
         quantity: known.quantity.clone(),
         expected: known.expected,

@@ -2,27 +2,31 @@
 
 use super::area::GRADIENT;
 use super::case::{place, slope_of_turn};
-use super::{Bench, Row, SIZES, turn};
+use super::exact::Exact;
+use super::{Bench, Bound, Row, turn};
+use crate::methods::captures::LIFT;
 use crate::methods::probes::{Place, Probe, ProbeError};
 use crate::scene::{Scene, cornell};
 use glam::{DVec2, DVec3};
 
+/// Bound where some see a surface edge-on, thinner than a texel: they err as its width h, what they cannot see.
+const EDGE_ON: Bound = Bound::linear(0.035 * 32.0);
+/// A surface is seen edge-on from nearer to its plane than this share of its distance: a texel at 64 a side.
+const TEXEL: f64 = 2.0 / 64.0;
 /// Points on the surfaces.
 const POINTS: u32 = 50;
-/// Turns of each of them; the same for both ends of a difference, whose aliasing then falls out in part.
-const POINT_TURNS: u32 = 8;
-/// Texels a side of the captures that differences are taken of.
-const FINE: u32 = 128;
-/// Half the distance of a difference, in metres; the box measures 0.55.
-const STEP: f64 = 0.008;
-/// Half the angle of a difference, in radians: what is left of third order is δ²/6, 10⁻³.
-const ANGLE: f64 = 0.08;
-/// Points whose R is nearer than this are left out, as the difference's own error is about (δ/R)²/6: within 10⁻³ here.
+/// Turns of each of them.
+const TURNS_OF_POINT: usize = 8;
+/// Texels a side.
+const SIZES: [u32; 4] = [16, 32, 64, 128];
+/// Half the distance of a difference, in metres; the box measures 0.55. E is exact, so that it may be as small as that.
+const STEP: f64 = 1e-5;
+/// Half the angle of a difference, in radians.
+const ANGLE: f64 = 1e-4;
+/// Points whose R is nearer than this are left out: those within 2 cm of another surface.
 const NEAREST: f64 = 0.1;
-/// Most that the differences' own standard error is allowed to add to the tolerance: noise does not excuse itself.
-const MOST_UNCERTAIN: f64 = 0.01;
 /// Surface cells, constant radiance on each, and samples of the lamp: the same for gradients and differences.
-const CELLS: (u32, u32) = (1 << 16, 128);
+const CELLS: (u32, u32) = (1 << 14, 128);
 
 /// A point with two tangents.
 struct Point {
@@ -35,36 +39,64 @@ struct Point {
 pub(super) fn cornell_gradients(bench: &Bench) -> Result<Vec<Row>, ProbeError> {
     let scene = cornell();
     let points = points(bench, &scene)?;
-    let moved = |p: &Point, t: DVec3, s: f64| (p.position + t * s * STEP, p.normal);
-    let turned = |p: &Point, t: DVec3, s: f64| (p.position, (p.normal + t * (s * ANGLE).tan()).normalize());
-    let moves = differences(bench, &scene, &points, STEP, moved)?;
-    let turns = differences(bench, &scene, &points, ANGLE, turned)?;
-    let row = |quantity: &str, differences: &[Difference]| Row {
+    let exact = Exact::new(bench.surface(&scene, CELLS)?, triangles(&scene));
+    let (low, high) = scene.bounds();
+    let lift = f64::from(LIFT * (high - low).length() * 0.5);
+    let lifted = |p: &Point| p.position + p.normal * lift;
+    let moved = |p: &Point, t: DVec3, s: f64| exact.irradiance(lifted(p) + t * s * STEP, p.normal);
+    let turned =
+        |p: &Point, t: DVec3, s: f64| exact.irradiance(lifted(p), (p.normal + t * (s * ANGLE).tan()).normalize());
+    let moves: Vec<DVec2> = points.iter().map(|p| difference(p, STEP, moved)).collect();
+    let turns: Vec<DVec2> = points.iter().map(|p| difference(p, ANGLE, turned)).collect();
+    let row = |quantity: &str, bound| Row {
         case: format!("Cornell box, {POINTS} points"),
         quantity: quantity.into(),
         expected: 1.0,
         got: 0.0,
         errors: Vec::new(),
-        bound: GRADIENT.and(uncertainty(differences).min(MOST_UNCERTAIN)),
+        bound,
+        capture: "",
     };
-    let mut rows = [row("∇_t E / differences", &moves), row("dE/dn / differences", &turns)];
+    let mut rows = [
+        row("∇_t E / differences, all points", EDGE_ON),
+        row("∇_t E / differences, nothing edge-on", GRADIENT),
+        row("dE/dn / differences, all points", GRADIENT),
+        row("dE/dn / differences, nothing edge-on", GRADIENT),
+    ];
+    let resolved: Vec<bool> = points.iter().map(|p| !sees_edge_on(&exact.triangles, p.position)).collect();
+    let places: Vec<Place> = points.iter().flat_map(|p| turns_of(p.position, p.normal)).collect();
     for size in SIZES {
-        let places: Vec<Place> = points.iter().flat_map(|p| turns_of(p.position, p.normal)).collect();
         let probes = bench.measure(&scene, &places, size, CELLS)?;
         let of_move = |probe: &Probe, _: &Point, t: DVec3| probe.reflected.translation[0].as_dvec3().dot(t);
         let of_turn = |probe: &Probe, p: &Point, t: DVec3| slope_of_turn(&probe.reflected, p.normal, t);
-        for (row, (got, expected)) in rows
-            .iter_mut()
-            .zip([(gradients(&probes, &points, of_move), &moves), (gradients(&probes, &points, of_turn), &turns)])
-        {
-            let all = total(expected);
-            let along = |(g, e): (&DVec2, &Difference)| g.dot(e.slope.normalize_or_zero());
-            row.got = got.iter().zip(expected).map(along).sum::<f64>() / all;
-            let wrong = |(g, e): (&DVec2, &Difference)| (*g - e.slope).length();
-            row.errors.push((size, got.iter().zip(expected).map(wrong).sum::<f64>() / all));
+        let both = [(gradients(&probes, &points, of_move), &moves), (gradients(&probes, &points, of_turn), &turns)];
+        for (rows, (got, expected)) in rows.chunks_mut(2).zip(both) {
+            for (row, all) in rows.iter_mut().zip([true, false]) {
+                // Each record by itself: an average over turns would hide what a single one is off by.
+                let of_point =
+                    |i: usize| got[i * TURNS_OF_POINT..][..TURNS_OF_POINT].iter().map(move |g| (*g, expected[i]));
+                let kept = (0..points.len()).filter(|i| all || resolved[*i]);
+                let pairs: Vec<(DVec2, DVec2)> = kept.flat_map(of_point).collect();
+                let total: f64 = pairs.iter().map(|(_, e)| e.length()).sum();
+                row.got = pairs.iter().map(|(g, e)| g.dot(e.normalize_or_zero())).sum::<f64>() / total;
+                row.errors.push((size, pairs.iter().map(|(g, e)| (*g - *e).length()).sum::<f64>() / total));
+            }
         }
     }
     Ok(rows.into())
+}
+
+/// Whether a point sees a triangle, not its own, so nearly along its plane that it is thinner than a texel.
+fn sees_edge_on(triangles: &[[DVec3; 3]], p: DVec3) -> bool {
+    triangles.iter().any(|[a, b, c]| {
+        let height = (*b - *a).cross(*c - *a).normalize().dot(p - *a).abs();
+        let nearest = [a, b, c].into_iter().map(|corner| p.distance(*corner)).fold(f64::MAX, f64::min);
+        height > 1e-6 && height < TEXEL * nearest
+    })
+}
+
+fn triangles(scene: &Scene) -> Vec<[DVec3; 3]> {
+    (0..scene.triangles.len() as u32).map(|t| scene.corners(t).map(|c| c.as_dvec3())).collect()
 }
 
 /// Points spread by area over all that reflects, of those that see nothing near.
@@ -103,54 +135,18 @@ fn candidates(scene: &Scene) -> Vec<Point> {
 }
 
 fn turns_of(position: DVec3, normal: DVec3) -> impl Iterator<Item = Place> {
-    (0..POINT_TURNS).map(move |i| place(position, normal, turn(i)))
+    (0..TURNS_OF_POINT as u32).map(move |i| place(position, normal, turn(i)))
 }
 
-/// A difference of E along both tangents of a point.
-#[derive(Clone, Copy)]
-struct Difference {
-    /// Mean over turns.
-    slope: DVec2,
-    /// Standard error of that mean.
-    error: DVec2,
+/// (E(+δ) − E(−δ)) / 2δ, δ = `step`, along both tangents of a point.
+fn difference(point: &Point, step: f64, e: impl Fn(&Point, DVec3, f64) -> f64) -> DVec2 {
+    DVec2::from(point.tangents.map(|t| (e(point, t, 1.0) - e(point, t, -1.0)) / (2.0 * step)))
 }
 
-fn total(differences: &[Difference]) -> f64 {
-    differences.iter().map(|d| d.slope.length()).sum()
-}
-
-/// How exactly differences are known, in the measure that gradients are held against them in.
-fn uncertainty(differences: &[Difference]) -> f64 {
-    differences.iter().map(|d| d.error.length()).sum::<f64>() / total(differences)
-}
-
-/// (E(+δ) − E(−δ)) / 2δ, δ = `step`, along both tangents of each point, from fine captures.
-fn differences(
-    bench: &Bench,
-    scene: &Scene,
-    points: &[Point],
-    step: f64,
-    at: impl Fn(&Point, DVec3, f64) -> (DVec3, DVec3),
-) -> Result<Vec<Difference>, ProbeError> {
-    let ends = |p: &Point| p.tangents.into_iter().flat_map(|t| [at(p, t, 1.0), at(p, t, -1.0)]).collect::<Vec<_>>();
-    let places: Vec<Place> = points.iter().flat_map(ends).flat_map(|(p, n)| turns_of(p, n)).collect();
-    let probes = bench.measure(scene, &places, FINE, CELLS)?;
-    let turns = POINT_TURNS as usize;
-    let one = |probes: &[Probe]| {
-        let e = |end: usize, turn: usize| f64::from(probes[end * turns + turn].reflected.value.x);
-        let slope = |i| DVec2::new(e(0, i) - e(1, i), e(2, i) - e(3, i)) / (2.0 * step);
-        let mean = (0..turns).map(slope).sum::<DVec2>() / turns as f64;
-        let variance = (0..turns).map(|i| (slope(i) - mean).powf(2.0)).sum::<DVec2>() / (turns * (turns - 1)) as f64;
-        Difference { slope: mean, error: DVec2::new(variance.x.sqrt(), variance.y.sqrt()) }
-    };
-    Ok(probes.chunks(4 * turns).map(one).collect())
-}
-
-/// Gradients along both tangents of each point, means over turns.
+/// Gradients along both tangents, of each record.
 fn gradients(probes: &[Probe], points: &[Point], of: impl Fn(&Probe, &Point, DVec3) -> f64) -> Vec<DVec2> {
-    let one = |(point, probes): (&Point, &[Probe])| {
-        let mean = |t: DVec3| probes.iter().map(|p| of(p, point, t)).sum::<f64>() / probes.len() as f64;
-        DVec2::from(point.tangents.map(mean))
+    let of_point = |(point, probes): (&Point, &[Probe])| {
+        probes.iter().map(|p| DVec2::from(point.tangents.map(|t| of(p, point, t)))).collect::<Vec<_>>()
     };
-    points.iter().zip(probes.chunks(POINT_TURNS as usize)).map(one).collect()
+    points.iter().zip(probes.chunks(TURNS_OF_POINT)).flat_map(of_point).collect()
 }

@@ -7,6 +7,7 @@
 mod area;
 mod case;
 mod differences;
+mod exact;
 mod invariants;
 mod row;
 mod sky;
@@ -15,9 +16,9 @@ mod walls;
 pub use case::{Case, Known, Read, Site, evaluate};
 pub use row::{Bound, Row, csv, markdown};
 
-use crate::methods::captures::CaptureMode;
+use crate::methods::captures::{CaptureMode, PLANE_APERTURE};
 use crate::methods::light_samples::LightSettings;
-use crate::methods::probes::{Place, Probe, ProbeError, ProbeSettings, Probes};
+use crate::methods::probes::{Place, Probe, ProbeError, ProbeSettings, Probes, SurfaceCell};
 use crate::passes::integrate::Gradients;
 use crate::scene::Scene;
 use crate::vk::Device;
@@ -29,6 +30,9 @@ use std::sync::Arc;
 pub const SIZES: [u32; 3] = [16, 32, 64];
 /// Turns of the hemicube about the normal that errors are averaged over.
 pub const TURNS: u32 = 24;
+
+/// Longest side of a triangle for hemispheres, which draw curved sides straight, as a share of the scene's diagonal.
+const LONGEST_SIDE: f32 = 0.03;
 
 /// What rows are measured with.
 pub struct Bench {
@@ -48,37 +52,132 @@ impl Bench {
         size: u32,
         (cells, samples): (u32, u32),
     ) -> Result<Vec<Probe>, ProbeError> {
-        let settings = ProbeSettings {
+        let mut recorder = Recorder::new(&self.device);
+        let cut;
+        let scene = match self.capture {
+            CaptureMode::Hemisphere => {
+                let (low, high) = scene.bounds();
+                cut = scene.tessellated(LONGEST_SIDE * (high - low).length());
+                &cut
+            }
+            _ => scene,
+        };
+        let settings = self.settings(size, (cells, samples));
+        Probes::new(&self.device, &mut recorder, scene, &settings)?.measure(&mut recorder, places, |_| {})
+    }
+
+    /// The lit surface that records see: every cell with its radiance.
+    fn surface(&self, scene: &Scene, light: (u32, u32)) -> Result<Vec<SurfaceCell>, ProbeError> {
+        let mut recorder = Recorder::new(&self.device);
+        let probes = Probes::new(&self.device, &mut recorder, scene, &self.settings(SIZES[0], light))?;
+        probes.surface(&mut recorder, &self.device)
+    }
+
+    fn settings(&self, size: u32, (cells, samples): (u32, u32)) -> ProbeSettings {
+        ProbeSettings {
             capture: self.capture,
             capture_size: size,
             gradients: Gradients { rotation: true, translation: true },
             lights: LightSettings { area_samples: samples, sky_samples: samples, shadow_size: 256 },
             surface_cells: cells,
-        };
-        let mut recorder = Recorder::new(&self.device);
-        Probes::new(&self.device, &mut recorder, scene, &settings)?.measure(&mut recorder, places, |_| {})
+        }
     }
 }
 
-/// All rows, in order; `done` hears each group's.
-pub fn run(bench: &Bench, mut done: impl FnMut(&[Row])) -> Result<Vec<Row>, ProbeError> {
+/// A kind of capture and the rows that concern it.
+pub struct Kind {
+    /// Its name.
+    pub name: &'static str,
+    /// How records look at the scene.
+    pub mode: CaptureMode,
+    /// Names of its cases and groups; none: all of them.
+    rows: Option<&'static [&'static str]>,
+}
+
+/// Kinds of capture: a plane's rows are those that it sees wholly, or whose radiance is the same everywhere, for what is near
+/// the horizon is a guess; a hemisphere's those of scenes small enough to be cut finely, but for the linear sky, whose second
+/// order it does not have: a texel at the disc's rim is as wide as √(4/N), and its middle's radiance counts.
+pub const KINDS: [Kind; 4] = [
+    Kind { name: "compute", mode: CaptureMode::Compute, rows: None },
+    Kind { name: "hemicube", mode: CaptureMode::Hemicube, rows: None },
+    Kind {
+        name: "plane",
+        mode: CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: true },
+        rows: Some(&[
+            "rectangle ahead",
+            "parallel plates",
+            "furnace",
+            "world × 2^k",
+            "emission × 2^k",
+            "radiance 10⁶ : 1",
+            "near-black",
+            "thin wall",
+            "needles",
+            "bad triangles",
+            "one-texel light",
+        ]),
+    },
+    Kind {
+        name: "hemisphere",
+        mode: CaptureMode::Hemisphere,
+        rows: Some(&[
+            "rectangle",
+            "rectangle ahead",
+            "sphere light",
+            "integrating sphere",
+            "furnace",
+            "half a sky",
+            "world × 2^k",
+            "emission × 2^k",
+            "radiance 10⁶ : 1",
+            "near-black",
+            "thin wall",
+            "bad triangles",
+            "one-texel light",
+        ]),
+    },
+];
+
+impl Kind {
+    /// Whether a case or group concerns it.
+    pub fn covers(&self, name: &str) -> bool {
+        self.rows.is_none_or(|rows| rows.contains(&name))
+    }
+
+    /// The rows that `measure` finds with it.
+    pub fn rows(
+        &self,
+        device: &Arc<Device>,
+        measure: impl Fn(&Bench) -> Result<Vec<Row>, ProbeError>,
+    ) -> Result<Vec<Row>, ProbeError> {
+        let mut rows = measure(&Bench { device: device.clone(), capture: self.mode })?;
+        rows.iter_mut().for_each(|row| row.capture = self.name);
+        Ok(rows)
+    }
+}
+
+/// All rows of every kind, in order; `done` hears each group's.
+pub fn run(device: &Arc<Device>, mut done: impl FnMut(&[Row])) -> Result<Vec<Row>, ProbeError> {
     let mut rows = Vec::new();
     let mut add = |group: Vec<Row>| {
         done(&group);
         rows.extend(group);
     };
-    for case in closed_forms() {
-        add(evaluate(bench, &case)?);
-    }
-    for (_, measure) in GROUPS {
-        add(measure(bench)?);
+    for kind in &KINDS {
+        for case in closed_forms().iter().filter(|case| kind.covers(case.name)) {
+            add(kind.rows(device, |bench| evaluate(bench, case))?);
+        }
+        for (_, measure) in GROUPS.into_iter().filter(|(name, _)| kind.covers(name)) {
+            add(kind.rows(device, measure)?);
+        }
     }
     Ok(rows)
 }
 
 /// Number of groups that [`run`] reports.
 pub fn group_count() -> u64 {
-    (closed_forms().len() + GROUPS.len()) as u64
+    let names = || closed_forms().into_iter().map(|case| case.name).chain(GROUPS.into_iter().map(|(name, _)| name));
+    KINDS.iter().map(|kind| names().filter(|name| kind.covers(name)).count() as u64).sum()
 }
 
 /// Every case with a closed form.
@@ -90,15 +189,17 @@ pub fn closed_forms() -> Vec<Case> {
 pub type Measure = fn(&Bench) -> Result<Vec<Row>, ProbeError>;
 
 /// Rows of several places or scenes together: means, differences, changes that must not change the light, extremes.
-pub const GROUPS: [(&str, Measure); 12] = [
+pub const GROUPS: [(&str, Measure); 14] = [
     ("cube faces", area::cube_faces),
     ("Cornell gradients", differences::cornell_gradients),
     ("world × 2^k", invariants::world_by_powers_of_two),
     ("emission × 2^k", invariants::emission_by_powers_of_two),
     ("scale", invariants::scales),
+    ("far origin", invariants::far_origin),
     ("radiance 10⁶ : 1", invariants::radiance_range),
     ("near-black", invariants::near_black),
     ("thin wall", invariants::thin_wall),
+    ("two rooms", invariants::two_rooms),
     ("needles", invariants::needles),
     ("bad triangles", invariants::bad_triangles),
     ("one-texel light", invariants::small_light),

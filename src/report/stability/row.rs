@@ -17,6 +17,8 @@ pub struct Bound {
 /// One quantity of one case.
 #[derive(Clone, Debug)]
 pub struct Row {
+    /// Kind of capture; empty until the suite names it.
+    pub capture: &'static str,
     /// What is looked at, and from where.
     pub case: String,
     /// What is measured.
@@ -58,7 +60,7 @@ impl Row {
     pub fn single(case: &str, quantity: &str, [expected, got, scale]: [f64; 3], size: u32, tolerance: f64) -> Self {
         let errors = vec![(size, (got - expected).abs() / scale)];
         let bound = Bound::flat(tolerance);
-        Self { case: case.into(), quantity: quantity.into(), expected, got, errors, bound }
+        Self { capture: "", case: case.into(), quantity: quantity.into(), expected, got, errors, bound }
     }
 
     /// A row that counts what must not be.
@@ -91,6 +93,7 @@ impl Row {
     fn fields(&self) -> Vec<(&'static str, String)> {
         let errors = self.errors.iter().map(|(size, error)| format!("{size}: {error:.2e}")).collect::<Vec<_>>();
         vec![
+            ("capture", self.capture.into()),
             ("case", self.case.clone()),
             ("quantity", self.quantity.clone()),
             ("expected", number(self.expected)),

@@ -121,6 +121,7 @@ pub(super) fn slit_limit(bench: &Bench) -> Result<Vec<Row>, ProbeError> {
     // Two sides, each ∫ cosθ dl = 2 long; half a texel's diagonal off at most.
     let bound = Bound::linear(4.0 / 2f64.sqrt() / expected);
     let mut row = Row {
+        capture: "",
         case: "slit of width 1/4 at height 1".into(),
         quantity: "E of the sky".into(),
         expected,
