@@ -95,9 +95,9 @@ pub struct Kind {
 }
 
 /// Kinds of capture: a plane's rows are those that it sees wholly, or whose radiance is the same everywhere, for what is near
-/// the horizon is a guess; a hemisphere's those of scenes small enough to be cut finely, but for the linear sky, whose second
-/// order it does not have: a texel at the disc's rim is as wide as √(4/N), and its middle's radiance counts.
-pub const KINDS: [Kind; 4] = [
+/// the horizon is a guess; a hemisphere's those of scenes small enough to be cut finely, in compute all but those whose order it
+/// does not have: a texel at the disc's rim is as wide as √(4/N), and its middle's radiance counts.
+pub const KINDS: [Kind; 5] = [
     Kind { name: "compute", mode: CaptureMode::Compute, rows: None },
     Kind { name: "hemicube", mode: CaptureMode::Hemicube, rows: None },
     Kind {
@@ -112,6 +112,28 @@ pub const KINDS: [Kind; 4] = [
             "radiance 10⁶ : 1",
             "near-black",
             "thin wall",
+            "needles",
+            "bad triangles",
+            "one-texel light",
+        ]),
+    },
+    Kind {
+        name: "compute-hemisphere",
+        mode: CaptureMode::ComputeHemisphere,
+        rows: Some(&[
+            "rectangle",
+            "rectangle ahead",
+            "polygon",
+            "parallel plates",
+            "integrating sphere",
+            "furnace",
+            "half a sky",
+            "world × 2^k",
+            "emission × 2^k",
+            "far origin",
+            "near-black",
+            "thin wall",
+            "two rooms",
             "needles",
             "bad triangles",
             "one-texel light",
