@@ -82,7 +82,7 @@ pub fn render(
     // What the scene is made of.
     let textures = Textures::new(device, scene)?;
     let textures = textures.as_ref();
-    let geometry = Geometry::new(device, scene, plan.surface_cells, plan.compute)?;
+    let geometry = Geometry::new(device, scene, plan.surface_cells, plan.detail())?;
     let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
     clock.lap("upload scene");
 

@@ -15,6 +15,7 @@ layout(constant_id = 1) const uint HAS_MASKS = 0;
 layout(constant_id = 2) const uint HAS_SKY = 0;
 layout(constant_id = 3) const uint HAS_TRANSLATION = 1;  // planes are wanted
 layout(constant_id = 4) const uint IS_DISC = 0;
+layout(constant_id = 5) const uint HAS_LEVELS = 0;
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Visible { uint visible[]; };  // a bit a cluster, by frame and face
@@ -25,11 +26,13 @@ layout(set = 0, binding = 5, std430) readonly buffer CellRadiance { float cell_r
 layout(set = 0, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
 layout(set = 0, binding = 7, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
 layout(set = 0, binding = 8) uniform textureBuffer disc;  // of each texel: its direction, its place in the square (bits)
+layout(set = 0, binding = 9, std430) readonly buffer ShownCell { uint shown_cell[]; };  // of each coarse one
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     uint word_count;
     uint triangle_count;
     uint texel_count;
+    uint first_coarse_cell;
 } push;
 
 #include "inc/cells.glsl"
@@ -297,7 +300,9 @@ void gather(View view, uint texels, uint first) {
             // Faces are mirrored: what shows its front has a positive volume in the world and a negative one here.
             bool front = dot(t.a, cross(e1, e2)) < 0.0;
             uint name = floatBitsToUint(texelFetch(corners, int(3 * triangle - 3)).w);
-            seen = vec4(cell_light(name, front, barycentrics(t.a, e1, e2, way)), max(dot(plane, way), 0.0));
+            uint cell = cell_of(name, barycentrics(t.a, e1, e2, way));
+            if (HAS_LEVELS != 0 && cell >= push.first_coarse_cell) cell = shown_cell[cell - push.first_coarse_cell];
+            seen = vec4(cell_light(cell, front), max(dot(plane, way), 0.0));
         }
         if (HAS_SKY != 0) {
             if (key == NOTHING) beyond = sky_radiance(way * view.axes);

@@ -8,13 +8,16 @@
 layout(local_size_x = 32) in;
 
 layout(constant_id = 0) const uint SIZE = 32;
+layout(constant_id = 1) const uint HAS_LEVELS = 0;
 layout(constant_id = 2) const uint IS_DISC = 0;  // one view of the hemisphere in the first face's place
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
-layout(set = 0, binding = 1) uniform textureBuffer groups;    // lowest and highest corner of the box of 32 clusters
+layout(set = 0, binding = 1) uniform textureBuffer groups;    // of 32 clusters: boxes of ClusterTree
 layout(set = 0, binding = 2) uniform textureBuffer clusters;  // likewise of each cluster
 layout(set = 0, binding = 3, std430) writeonly buffer Visible { uint visible[]; };  // by frame, face and 32 clusters
-layout(push_constant) uniform Push { uint cluster_count; uint word_count; } push;
+layout(push_constant) uniform Push { uint cluster_count; uint word_count; float allowed_error; } push;
+
+const int STRIDE = 6;  // texels of a cluster or group
 
 // A box around what is looked at, in the frame's coordinates.
 struct Box { vec3 centre, extent; bool above; };
@@ -58,16 +61,34 @@ bool sees_any(Box box) {
     return sees(0, box) || sees(1, box) || sees(2, box) || sees(3, box) || sees(4, box);
 }
 
+float distance_to(vec3 p, vec3 low, vec3 high) { return length(max(max(low - p, p - high), vec3(0.0))); }
+
+// Whether clusters with these bounds may be shown at this distance: fine enough themselves, and what replaces them is not.
+bool is_shown_cluster(int at, vec3 eye) {
+    vec4 own = texelFetch(clusters, at + 3), coarser = texelFetch(clusters, at + 5);
+    precise float near = distance_to(eye, texelFetch(clusters, at + 2).xyz, own.xyz) * push.allowed_error;
+    precise float far = distance_to(eye, texelFetch(clusters, at + 4).xyz, coarser.xyz) * push.allowed_error;
+    return own.w <= near && coarser.w > far;
+}
+
+bool is_shown_group(int at, vec3 eye) {
+    vec4 low = texelFetch(groups, at + 4), high = texelFetch(groups, at + 5);
+    float least = texelFetch(groups, at + 3).w, most = high.w;
+    float near = distance_to(eye, low.xyz, high.xyz), far = near + length(high.xyz - low.xyz);
+    return least <= far * push.allowed_error && most > near * push.allowed_error;
+}
+
 void main() {
     uint word = gl_GlobalInvocationID.x, record = gl_WorkGroupID.y;
     if (word >= push.word_count) return;
     Frame frame = frames[record];
-    int at = 2 * int(word);
+    int at = STRIDE * int(word);
     Box around = local_box(frame, texelFetch(groups, at).xyz, texelFetch(groups, at + 1).xyz);
-    uint first = 32 * word, count = sees_any(around) ? min(push.cluster_count - first, 32) : 0;
+    uint first = 32 * word, count = sees_any(around) && (HAS_LEVELS == 0 || is_shown_group(at, frame.origin.xyz)) ? min(push.cluster_count - first, 32) : 0;
     uint bits[5] = uint[5](0, 0, 0, 0, 0);
     for (uint i = 0; i < count; ++i) {
-        at = 2 * int(first + i);
+        at = STRIDE * int(first + i);
+        if (HAS_LEVELS != 0 && !is_shown_cluster(at, frame.origin.xyz)) continue;
         Box box = local_box(frame, texelFetch(clusters, at).xyz, texelFetch(clusters, at + 1).xyz);
         if (IS_DISC != 0) {
             bits[0] |= sees_on_disc(box) ? 1 << i : 0;

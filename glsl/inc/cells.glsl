@@ -5,10 +5,15 @@
 
 uint cell_resolution(uint cells) { return uint(sqrt(float(cells)) + 0.5); }
 
-// Radiance that leaves a triangle at the point (1−u−v)·p0 + u·p1 + v·p2.
-vec3 cell_light(uint triangle, bool front, vec2 uv) {
+// The cell of a triangle at the point (1−u−v)·p0 + u·p1 + v·p2.
+uint cell_of(uint triangle, vec2 uv) {
     uint first = first_cell[triangle], cells = first_cell[triangle + 1] - first;
-    uint at = 6 * (first + cell_at(cell_resolution(cells), uv)) + (front ? 0 : 3);
+    return first + cell_at(cell_resolution(cells), uv);
+}
+
+// Radiance that leaves a cell.
+vec3 cell_light(uint cell, bool front) {
+    uint at = 6 * cell + (front ? 0 : 3);
     return vec3(cell_radiance[at], cell_radiance[at + 1], cell_radiance[at + 2]);
 }
 

@@ -35,7 +35,7 @@ void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
         uvec3 c = corners_of(triangle);
         vec3 a = position_of(c.x) - frame.origin.xyz, e1 = position_of(c.y) - position_of(c.x),
              e2 = position_of(c.z) - position_of(c.x);
-        seen = vec4(cell_light(triangle, hit.x >= 0x80000000u, barycentrics(a, e1, e2, direction)),
+        seen = vec4(cell_light(cell_of(triangle, barycentrics(a, e1, e2, direction)), hit.x >= 0x80000000u),
                     uintBitsToFloat(hit.y));
         if (HAS_TRANSLATION != 0) plane = to_local(frame, inverse_plane(a, e1, e2));
     } else if (HAS_SKY != 0 && above) {

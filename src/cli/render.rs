@@ -69,6 +69,10 @@ pub struct RenderArgs {
     /// Texels a side of a capture (a hemicube's top), even, 8 to 256
     #[arg(long, value_name = "N", help_heading = "Irradiance cache")]
     capture_size: Option<u32>,
+    /// Most that distant triangles may be wrong by in captures in compute, in texels of a hemicube: where a scene has many
+    /// triangles, coarser ones stand for them at a distance. 0: all are drawn
+    #[arg(long, value_name = "TEXELS", help_heading = "Irradiance cache")]
+    lod_error: Option<f32>,
     /// Full angle that --capture plane sees along each axis, in degrees, 10 to 170; 126.87 is twice as wide as it is far
     #[arg(long, value_name = "DEGREES", default_value_t = PLANE_APERTURE, help_heading = "Irradiance cache")]
     aperture: f64,
@@ -287,6 +291,7 @@ impl RenderArgs {
         let set_u32 = |to: &mut u32, from: Option<u32>| *to = from.unwrap_or(*to);
         let cache = &mut settings.cache;
         set(&mut cache.accuracy, self.accuracy);
+        set(&mut cache.lod_error, self.lod_error);
         set(&mut cache.min_radius, self.min_radius);
         set(&mut cache.max_radius, self.max_radius);
         set(&mut cache.covered, self.coverage);

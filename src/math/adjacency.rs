@@ -48,8 +48,8 @@ fn bend(triangles: &[[u32; 3]], positions: &[Vec3], one: u32, other: u32) -> f32
     rise(one).dot(rise(other))
 }
 
-/// A number for each position, the same for equal ones.
-fn weld(positions: &[Vec3]) -> Vec<u32> {
+/// The first vertex at each vertex's position.
+pub fn weld(positions: &[Vec3]) -> Vec<u32> {
     // Adding zero makes −0 and 0 the same.
     let bits = |index: u32| (positions[index as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();

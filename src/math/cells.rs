@@ -1,21 +1,42 @@
-//! Surface cells: a triangle cut into r² triangles of equal shape; twin of `glsl/inc/cells.glsl`.
+//! Surface cells: a triangle cut into r² triangles of equal shape; twin of `glsl/inc/subdivision.glsl`.
 //!
 //! Row i of r along the first side holds 2(r − i) − 1 cells: one that is turned like the whole, one upside down, and so on.
 
-use glam::DVec2;
+use glam::{DVec2, UVec2, Vec2};
 
-/// Corners of a cell in barycentric coordinates (u, v) of its triangle p0 + u·(p1 − p0) + v·(p2 − p0), cut along each side
-/// into `r` parts.
+/// Row of a cell, and its place in the row.
+fn place(r: u32, cell: u32) -> [u32; 2] {
+    // Row i starts at i(2r − i) = r² − (r − i)².
+    let rest = r * r - cell;
+    let up = rest.isqrt();
+    let row = r - if up * up == rest { up } else { up + 1 };
+    [row, cell - row * (2 * r - row)]
+}
+
+/// Cell that holds the point (u, v) of its triangle p0 + u·(p1 − p0) + v·(p2 − p0), cut along each side into `r` parts.
+pub fn at(r: u32, uv: Vec2) -> u32 {
+    let s = uv.clamp(Vec2::ZERO, Vec2::ONE) * r as f32;
+    let i = (s.x as u32).min(r - 1);
+    let j = (s.y as u32).min(r - 1 - i);
+    let f = s - UVec2::new(i, j).as_vec2();
+    let upper = u32::from(f.x + f.y > 1.0 && i + j + 2 <= r);
+    i * (2 * r - i) + 2 * j + upper
+}
+
+/// Centre (u, v) of a cell.
+pub fn centre(r: u32, cell: u32) -> Vec2 {
+    let [row, along] = place(r, cell);
+    let within = if along.is_multiple_of(2) { 1.0 / 3.0 } else { 2.0 / 3.0 };
+    (UVec2::new(row, along / 2).as_vec2() + within) / r as f32
+}
+
+/// Corners (u, v) of a cell.
 pub fn corners(r: u32, cell: u32) -> [DVec2; 3] {
-    let mut row = 0;
-    while cell >= (row + 1) * (2 * r - row - 1) {
-        row += 1;
-    }
-    let along = cell - row * (2 * r - row);
+    let [row, along] = place(r, cell);
     let corner = DVec2::new(f64::from(row), f64::from(along / 2));
     let local = [DVec2::ZERO, DVec2::X, DVec2::Y];
-    let place = |st: DVec2| corner + if along.is_multiple_of(2) { st } else { 1.0 - st };
-    local.map(|st| place(st) / f64::from(r))
+    let spot = |st: DVec2| corner + if along.is_multiple_of(2) { st } else { 1.0 - st };
+    local.map(|st| spot(st) / f64::from(r))
 }
 
 #[cfg(test)]
@@ -35,6 +56,15 @@ mod tests {
             }
             for (i, m) in middles.iter().enumerate() {
                 assert!(middles[..i].iter().all(|other| m.distance(*other) > 0.1 / f64::from(r)));
+            }
+        }
+    }
+
+    #[test]
+    fn a_cell_holds_its_centre() {
+        for r in [1, 2, 3, 8, 100] {
+            for cell in 0..r * r {
+                assert_eq!(at(r, centre(r, cell)), cell, "of {r}²");
             }
         }
     }

@@ -4,6 +4,7 @@ pub mod adjacency;
 pub mod capture;
 pub mod cells;
 pub mod form_factor;
+pub mod levels;
 pub mod sampling;
 pub mod sequence;
 pub mod visibility;

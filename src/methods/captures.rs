@@ -94,13 +94,14 @@ enum By {
 }
 
 impl Captures {
-    /// Builds captures of `size` texels a side; `in_compute` as the plan says. They see the `sky`, if there is one, and keep
+    /// Builds captures of `size` texels a side; `in_compute` as the plan says, where coarse triangles are wrong by
+    /// `lod_error` texels at most. They see the `sky`, if there is one, and keep
     /// `planes` for the translation gradient.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
         in_compute: bool,
-        (mode, size): (CaptureMode, u32),
+        (mode, size, lod_error): (CaptureMode, u32, f32),
         (sky, planes): (Option<&Buffer>, bool),
     ) -> Result<Self> {
         let (geometry, projection) = (ground.geometry, mode.projection());
@@ -111,7 +112,7 @@ impl Captures {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
             // At most as much again for the bits of visible clusters.
             let by_bits = BATCH_BYTES / FindClusters::bytes_per_frame(tree).max(1);
-            let looks = Looks::new(projection, size);
+            let looks = Looks::new(projection, size, lod_error);
             let texels = u64::from(looks.texels);
             let by_texels = Gathered::most_viewed(device, kinds) / texels;
             let capacity = u64::from(capacity).min(by_bits).min(by_texels).max(1);

@@ -29,6 +29,8 @@ pub struct CacheSettings {
     pub capture: CaptureMode,
     /// Texels a side of a capture; of a hemicube's top.
     pub capture_size: u32,
+    /// Most that coarse triangles may be wrong by in captures in compute, in texels; 0: all triangles are drawn.
+    pub lod_error: f32,
     /// Gradients to extrapolate with.
     pub gradients: Gradients,
     /// What R is.
@@ -116,7 +118,7 @@ impl IrradianceCache {
             device,
             ground,
             in_compute,
-            (settings.capture, settings.capture_size),
+            (settings.capture, settings.capture_size, settings.lod_error),
             (sky, settings.gradients.translation),
         )?;
         let capacity = captures.capacity;

@@ -51,7 +51,7 @@ impl Rates {
     /// Measures `device`: well below a second on a GPU, a few seconds on a CPU.
     pub fn measure(device: &Arc<Device>) -> Result<Self> {
         let scene = sphere();
-        let geometry = Geometry::new(device, &scene, 1, false)?;
+        let geometry = Geometry::new(device, &scene, 1, None)?;
         let ground = Ground { scene: &scene, geometry: &geometry, textures: None };
         let mut stopwatch = Stopwatch { recorder: Recorder::new(device) };
         let (triangle_views, integrated_texels) = captures(device, &ground, &mut stopwatch)?;

@@ -401,7 +401,7 @@ mod tests {
     fn multi_view_draws_and_culled_views_see_the_same() {
         let device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
         let scene = crate::scene::cornell();
-        let geometry = Geometry::new(&device, &scene, 1000, false).unwrap();
+        let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
         let whole = identities(&device, &geometry, &scene, false);
         let culled = identities(&device, &geometry, &scene, true);
         for layer in 0..5 {

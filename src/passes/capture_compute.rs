@@ -6,7 +6,7 @@
 //! or a 64th of the triangle's side.
 
 use super::cluster_tree::ClusterTree;
-use super::find_clusters::{FACES, FindClusters};
+use super::find_clusters::{FACES, FindClusters, Finds};
 use super::gathered::{Gathered, Kinds};
 use super::geometry::{CLUSTER, Geometry};
 use crate::math::capture::{Projection, Texel};
@@ -30,11 +30,14 @@ struct Push {
     word_count: u32,
     triangle_count: u32,
     texel_count: u32,
+    /// Cells from here on are coarse ones.
+    first_coarse_cell: u32,
 }
 
 /// How a record looks.
 pub struct Looks {
     size: u32,
+    lod_error: f32,
     /// Texels of a record.
     pub texels: u32,
     /// Of each texel of a disc, its direction and its place in the square (bits).
@@ -42,12 +45,17 @@ pub struct Looks {
 }
 
 impl Looks {
-    /// By `projection`, a hemicube or a hemisphere, with `size` texels a side.
-    pub fn new(projection: Projection, size: u32) -> Self {
+    /// By `projection`, a hemicube or a hemisphere, with `size` texels a side; coarse triangles, where the scene has levels
+    /// of detail, are wrong by `lod_error` texels at most.
+    pub fn new(projection: Projection, size: u32, lod_error: f32) -> Self {
         let texels = projection.table(size).texels;
         let spot = |t: &Texel| t.direction.as_vec3().extend(f32::from_bits(t.y * size + t.x)).to_array();
         let disc = (projection == Projection::Hemisphere).then(|| texels.iter().map(spot).collect());
-        Self { size, texels: texels.len() as u32, disc }
+        Self { size, lod_error, texels: texels.len() as u32, disc }
+    }
+
+    fn finds(&self) -> Finds {
+        Finds { size: self.size, is_disc: self.disc.is_some(), lod_error: self.lod_error }
     }
 }
 
@@ -93,7 +101,7 @@ impl CaptureCompute {
         let (size, is_disc) = (looks.size, looks.disc.is_some());
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
         let frames = Buffer::new(device, "capture frames", frames, Memory::Device)?;
-        let find = FindClusters::new(device, tree, &frames, (size, is_disc), capacity)?;
+        let find = FindClusters::new(device, tree, &frames, looks.finds(), capacity)?;
         let disc =
             looks.disc.as_ref().map(|disc| TexelBuffer::with_data(device, "capture tables", disc)).transpose()?;
         let bindings = [
@@ -107,6 +115,7 @@ impl CaptureCompute {
             Binding::Storage(sky.unwrap_or(&geometry.first_cell)),
             Binding::Storage(gathered.buffer()),
             Binding::TexelBuffer(disc.as_ref().unwrap_or(&tree.corners)),
+            Binding::Storage(tree.shown_cell.as_ref().unwrap_or(&geometry.first_cell)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
@@ -115,10 +124,12 @@ impl CaptureCompute {
         let push = Push {
             nearest: geometry.radius * NEAREST,
             word_count: FindClusters::words(tree),
-            triangle_count: geometry.triangle_count,
+            triangle_count: tree.cluster_count * CLUSTER,
             texel_count: looks.texels,
+            first_coarse_cell: geometry.cell_count,
         };
-        let flags = [tree.masks.is_some(), gathered.kinds.sky, gathered.kinds.planes, is_disc].map(u32::from);
+        let kinds = gathered.kinds;
+        let flags = [tree.masks.is_some(), kinds.sky, kinds.planes, is_disc, tree.has_levels()].map(u32::from);
         let constants = Specialisation([size].into_iter().chain(flags).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
         let views = if is_disc { 1 } else { FACES };

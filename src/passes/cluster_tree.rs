@@ -1,12 +1,14 @@
 //! The scene's triangles in an order for captures in compute: clusters of 64 neighbours, groups of 32 neighbouring
-//! clusters, each with its box.
+//! clusters, each with its box, and with levels of detail the bounds of its error.
 
 use super::geometry::CLUSTER;
-use crate::scene::opacity::Mask;
+use crate::math::levels::{Bound, Cluster, First, Levels, Surface};
+use crate::scene::opacity::{Mask, Opacity};
 use crate::scene::{Part, Scene};
-use crate::vk::{Device, Result, TexelBuffer};
+use crate::vk::{Buffer, Device, Result, TexelBuffer};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Clusters of a group: those whose bits share a word.
@@ -15,21 +17,43 @@ const GROUP: usize = u32::BITS as usize;
 /// Texels of the corners' buffer that a triangle takes.
 const CORNERS: u64 = 3;
 
+/// Opaque triangles from which levels of detail are made. Fewer are drawn sooner than coarser ones made.
+pub const FEWEST_FOR_LEVELS: u32 = 1 << 17;
+
+/// What is drawn at a distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// What is drawn nearby.
+    Exact,
+    /// Coarser clusters that stand for the opaque ones, where there are many.
+    Levels,
+}
+
 /// Clusters and groups on the device.
 pub struct ClusterTree {
     /// Number of groups.
     pub group_count: u32,
     /// Number of clusters.
     pub cluster_count: u32,
-    /// Boxes of the groups, lowest and highest corner.
+    /// Boxes of the groups: [`Entry`].
     pub groups: TexelBuffer,
     /// Boxes of the clusters, likewise.
     pub clusters: TexelBuffer,
-    /// Three corners a triangle, in the order of the clusters; w (bits): its number in the geometry's order, then its
-    /// alpha mask.
+    /// Three corners a triangle, 64 triangles a cluster, the last ones points where a cluster has fewer; w (bits): number
+    /// of the triangle, then its alpha mask.
     pub corners: TexelBuffer,
     /// Bits of alpha masks, where the scene has some.
     pub masks: Option<TexelBuffer>,
+    /// Of each coarse cell the cell that it shows, where clusters have levels.
+    pub shown_cell: Option<Buffer>,
+}
+
+/// Cells of the surface.
+pub struct Cells<'a> {
+    /// First cell of each triangle, and the end; coarse triangles are added.
+    pub first: &'a mut Vec<u32>,
+    /// Area of a cell, about.
+    pub area: f64,
 }
 
 impl ClusterTree {
@@ -38,30 +62,160 @@ impl ClusterTree {
         triangles as u64 * CORNERS <= u64::from(device.capabilities.limits.max_texel_buffer_elements)
     }
 
-    /// Orders `triangles` of `scene`, which `parts` give materials to.
-    pub fn new(device: &Arc<Device>, scene: &Scene, triangles: &[[u32; 3]], parts: &[Part]) -> Result<Self> {
-        let corners = |t: &[u32; 3]| t.map(|v| scene.positions[v as usize]);
-        let boxes: Vec<_> = triangles.iter().map(|t| Bounds::of(&corners(t))).collect();
-        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        sort(&boxes, &mut order);
-        let bounds = |size| order.chunks(size).map(|piece| Bounds::around(&boxes, piece)).collect::<Vec<_>>();
-        let (groups, clusters) = (bounds(GROUP * CLUSTER as usize), bounds(CLUSTER as usize));
-        let opacity = scene.opacity(triangles, parts);
-        let named = |t: &u32| {
-            let [a, b, c] = corners(&triangles[*t as usize]);
-            let Mask { n, first } = opacity.masks[*t as usize];
-            [a.extend(f32::from_bits(*t)), b.extend(f32::from_bits(n)), c.extend(f32::from_bits(first))]
+    /// Arranges `triangles` of `scene`, opaque ones first, which `parts` give materials to.
+    pub fn new(
+        device: &Arc<Device>,
+        scene: &Scene,
+        (triangles, parts): (&[[u32; 3]], &[Part]),
+        cells: Cells<'_>,
+        detail: Detail,
+    ) -> Result<Self> {
+        let is_opaque = |part: &&Part| scene.materials[part.material as usize].alpha_cutoff.is_none();
+        let opaque: u32 = parts.iter().filter(is_opaque).map(|part| part.triangle_count).sum();
+        let levels = (detail == Detail::Levels && opaque >= FEWEST_FOR_LEVELS).then(|| {
+            let (positions, first_cell) = (&scene.positions, &*cells.first);
+            let surface =
+                Surface { positions, triangles: &triangles[..opaque as usize], first_cell, cell_area: cells.area };
+            let first = First { triangle: triangles.len() as u32, cell: cells.first[triangles.len()] };
+            Levels::new(&surface, first)
+        });
+        let mut all = Triangles {
+            positions: &scene.positions,
+            corners: triangles.to_vec(),
+            opacity: scene.opacity(triangles, parts),
         };
-        let corners: Vec<_> = order.iter().map(named).collect();
-        let masks = || TexelBuffer::with_data(device, "alpha masks", &opacity.words);
+        let end = triangles.len() as u32;
+        let Some(levels) = levels else {
+            return Self::of(device, &all, all.clusters(0..end), None);
+        };
+        all.corners.extend(&levels.triangles);
+        cells.first.extend(&levels.first_cell[1..]);
+        let mut clusters = levels.clusters;
+        clusters.extend(all.clusters(opaque..end));
+        Self::of(device, &all, all.in_groups(clusters), Some(&levels.shown_cell))
+    }
+
+    fn of(
+        device: &Arc<Device>,
+        triangles: &Triangles<'_>,
+        clusters: Vec<Cluster>,
+        shown_cell: Option<&Vec<u32>>,
+    ) -> Result<Self> {
+        let entry = |c: &Cluster| Entry { shape: triangles.bounds(c), own: c.own.into(), coarser: c.coarser.into() };
+        let entries: Vec<_> = clusters.iter().map(entry).collect();
+        let groups: Vec<_> = entries.chunks(GROUP).map(Entry::around).collect();
+        let mut corners = Vec::with_capacity(clusters.len() * CLUSTER as usize);
+        for cluster in &clusters {
+            corners.extend(cluster.triangles.iter().map(|t| triangles.named(*t)));
+            let last = corners.last().map_or(Vec4::ZERO, |[a, ..]: &[Vec4; 3]| a.truncate().extend(0.0));
+            corners.resize(corners.len().next_multiple_of(CLUSTER as usize), [last; 3]);
+        }
+        let words = &triangles.opacity.words;
+        let masks = || TexelBuffer::with_data(device, "alpha masks", words);
+        let shown = |cells: &Vec<u32>| Buffer::with_data(device, "coarse cells", cells);
         Ok(Self {
             group_count: groups.len() as u32,
             cluster_count: clusters.len() as u32,
             groups: TexelBuffer::with_data(device, "cluster bounds", &groups)?,
-            clusters: TexelBuffer::with_data(device, "cluster bounds", &clusters)?,
+            clusters: TexelBuffer::with_data(device, "cluster bounds", &entries)?,
             corners: TexelBuffer::with_data(device, "capture corners", &corners)?,
-            masks: (!opacity.words.is_empty()).then(masks).transpose()?,
+            masks: (!words.is_empty()).then(masks).transpose()?,
+            shown_cell: shown_cell.map(shown).transpose()?,
         })
+    }
+
+    /// Whether some clusters stand for others at a distance.
+    pub fn has_levels(&self) -> bool {
+        self.shown_cell.is_some()
+    }
+}
+
+/// Triangles of a tree.
+struct Triangles<'a> {
+    positions: &'a [Vec3],
+    /// Corners of all triangles, coarse ones included.
+    corners: Vec<[u32; 3]>,
+    /// Alpha masks; coarse triangles have none.
+    opacity: Opacity,
+}
+
+impl Triangles<'_> {
+    fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.corners[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// As the shader reads a triangle.
+    fn named(&self, triangle: u32) -> [Vec4; 3] {
+        let [a, b, c] = self.corners(triangle);
+        let Mask { n, first } = self.opacity.masks.get(triangle as usize).copied().unwrap_or_default();
+        [a.extend(f32::from_bits(triangle)), b.extend(f32::from_bits(n)), c.extend(f32::from_bits(first))]
+    }
+
+    fn bounds(&self, cluster: &Cluster) -> Bounds {
+        cluster.triangles.iter().fold(Bounds::EMPTY, |b, t| b.joined(Bounds::of(&self.corners(*t))))
+    }
+
+    /// Clusters of some triangles, of one level, neighbours after each other.
+    fn clusters(&self, range: Range<u32>) -> Vec<Cluster> {
+        let boxes: Vec<_> = range.clone().map(|t| Bounds::of(&self.corners(t))).collect();
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        sort(&boxes, &mut order, &[GROUP * CLUSTER as usize, CLUSTER as usize]);
+        let cluster = |piece: &[u32]| Cluster {
+            triangles: piece.iter().map(|t| range.start + t).collect(),
+            level: 0,
+            own: Bound::EXACT,
+            coarser: Bound::NEVER,
+        };
+        order.chunks(CLUSTER as usize).map(cluster).collect()
+    }
+
+    /// Clusters by level, neighbours after each other, and so their triangles by size.
+    fn in_groups(&self, mut clusters: Vec<Cluster>) -> Vec<Cluster> {
+        let area = |t: &u32| Bounds::of(&self.corners(*t)).area();
+        for cluster in &mut clusters {
+            // Neighbours in a cluster are drawn side by side: of like size, they take like time.
+            cluster.triangles.sort_by(|a, b| area(b).total_cmp(&area(a)));
+        }
+        clusters.sort_by_key(|c| c.level);
+        let mut grouped = Vec::with_capacity(clusters.len());
+        for level in clusters.chunk_by(|a, b| a.level == b.level) {
+            let boxes: Vec<_> = level.iter().map(|c| self.bounds(c)).collect();
+            let mut order: Vec<u32> = (0..level.len() as u32).collect();
+            sort(&boxes, &mut order, &[GROUP]);
+            grouped.extend(order.iter().map(|i| level[*i as usize].clone()));
+        }
+        grouped
+    }
+}
+
+/// A cluster or a group, as `glsl/find_clusters` reads it: its box, that of all it stands for, and that of what replaces
+/// it; w of the last two's highest corners are their errors: of a group, the least and the largest.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Entry {
+    shape: Bounds,
+    own: Bounds,
+    coarser: Bounds,
+}
+
+impl Entry {
+    /// Of a group: errors that hold for some cluster, or none.
+    fn around(entries: &[Self]) -> Self {
+        let mut all = entries[0];
+        for entry in entries {
+            all.shape = all.shape.joined(entry.shape);
+            all.own = all.own.joined(entry.own);
+            all.coarser = all.coarser.joined(entry.coarser);
+        }
+        all.own.high.w = entries.iter().map(|e| e.own.high.w).fold(f32::MAX, f32::min);
+        all.coarser.high.w = entries.iter().map(|e| e.coarser.high.w).fold(0.0, f32::max);
+        all
+    }
+}
+
+impl From<Bound> for Bounds {
+    fn from(b: Bound) -> Self {
+        Self { low: b.low.extend(0.0), high: b.high.extend(b.error) }
     }
 }
 
@@ -81,7 +235,11 @@ impl Bounds {
     }
 
     fn around(boxes: &[Self], which: &[u32]) -> Self {
-        which.iter().map(|i| &boxes[*i as usize]).fold(Self::EMPTY, |b, c| b.with(c.low, c.high))
+        which.iter().fold(Self::EMPTY, |b, i| b.joined(boxes[*i as usize]))
+    }
+
+    fn joined(self, other: Self) -> Self {
+        self.with(other.low, other.high)
     }
 
     fn with(self, low: Vec4, high: Vec4) -> Self {
@@ -95,19 +253,20 @@ impl Bounds {
     }
 }
 
-/// Orders the triangles of `boxes`: halves of halves, cut where groups and clusters are full.
-fn sort(boxes: &[Bounds], order: &mut [u32]) {
-    if order.len() <= CLUSTER as usize {
+/// Orders what lies in `boxes` so that neighbours come together: halves of halves, cut where runs of each of `units`, from
+/// large to small, are full.
+fn sort(boxes: &[Bounds], order: &mut [u32], units: &[usize]) {
+    let smallest = units[units.len() - 1];
+    if order.len() <= smallest {
         // Neighbours in a cluster are drawn side by side: of like size, they take like time.
         order.sort_by(|a, b| boxes[*b as usize].area().total_cmp(&boxes[*a as usize].area()));
         return;
     }
-    let group = GROUP * CLUSTER as usize;
-    let unit = if order.len() > group { group } else { CLUSTER as usize };
+    let unit = units.iter().copied().find(|unit| order.len() > *unit).unwrap_or(smallest);
     let middle = order.len().div_ceil(unit).div_ceil(2) * unit;
     halve(boxes, order, middle);
     let (front, back) = order.split_at_mut(middle);
-    rayon::join(|| sort(boxes, front), || sort(boxes, back));
+    rayon::join(|| sort(boxes, front, units), || sort(boxes, back, units));
 }
 
 /// Brings `middle` of the triangles to the front, so that both halves have small boxes: along an axis, or the larger ones
@@ -146,7 +305,7 @@ mod tests {
     fn every_triangle_is_in_one_compact_cluster() {
         let boxes = sheet(64);
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        sort(&boxes, &mut order);
+        sort(&boxes, &mut order, &[GROUP * 64, 64]);
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert!(sorted.iter().copied().eq(0..boxes.len() as u32), "an order of all triangles");

@@ -18,6 +18,19 @@ const THREADS: u32 = 32;
 struct Push {
     cluster_count: u32,
     word_count: u32,
+    /// Error that is allowed at distance 1.
+    allowed_error: f32,
+}
+
+/// What clusters are found for.
+#[derive(Clone, Copy, Debug)]
+pub struct Finds {
+    /// Texels a side of a face.
+    pub size: u32,
+    /// One view projects the hemisphere onto a disc; what it sees stands in the first face's place.
+    pub is_disc: bool,
+    /// Coarse clusters are good enough if they are wrong by so many texels, at most.
+    pub lod_error: f32,
 }
 
 /// The pass.
@@ -41,15 +54,8 @@ impl FindClusters {
         u64::from(FACES * Self::words(tree)) * 4
     }
 
-    /// Finds clusters for up to `capacity` of `frames`, whose faces have `size` texels a side; the first face's are those of
-    /// all where one view projects the hemisphere onto a `disc`.
-    pub fn new(
-        device: &Arc<Device>,
-        tree: &ClusterTree,
-        frames: &Buffer,
-        (size, disc): (u32, bool),
-        capacity: u32,
-    ) -> Result<Self> {
+    /// Finds clusters for up to `capacity` of `frames`; coarse ones where they are good enough.
+    pub fn new(device: &Arc<Device>, tree: &ClusterTree, frames: &Buffer, finds: Finds, capacity: u32) -> Result<Self> {
         let bytes = Self::bytes_per_frame(tree) * u64::from(capacity);
         let visible = Buffer::new(device, "visible clusters", bytes, Memory::Device)?;
         let bindings = [
@@ -62,13 +68,15 @@ impl FindClusters {
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let code = spirv!("find_clusters", "find_clusters.comp");
-        let pipeline = ComputePipeline::new(
-            "find_clusters",
-            &pipeline_layout,
-            code,
-            &Specialisation(vec![size, 0, u32::from(disc)]),
-        )?;
-        let push = Push { cluster_count: tree.cluster_count, word_count: Self::words(tree) };
+        let Finds { size, is_disc, lod_error } = finds;
+        let constants = Specialisation(vec![size, u32::from(tree.has_levels()), u32::from(is_disc)]);
+        let pipeline = ComputePipeline::new("find_clusters", &pipeline_layout, code, &constants)?;
+        let push = Push {
+            cluster_count: tree.cluster_count,
+            word_count: Self::words(tree),
+            // A face is 2 wide at distance 1.
+            allowed_error: lod_error * 2.0 / size as f32,
+        };
         Ok(Self { pipeline, set, push, visible, _layout: layout })
     }
 

@@ -1,6 +1,6 @@
 //! The scene's geometry on the GPU: vertex streams, triangles in an order made for culling, clusters, surface cells.
 
-use super::cluster_tree::ClusterTree;
+use super::cluster_tree::{Cells, ClusterTree, Detail};
 use crate::math::adjacency;
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
@@ -65,7 +65,7 @@ pub struct Geometry {
     pub set_layout: SetLayout,
     /// Spheres of the clusters (centre, radius).
     pub clusters: Buffer,
-    /// First cell of each triangle, and the end.
+    /// First cell of each triangle, and the end; coarse triangles of the tree follow.
     pub first_cell: Buffer,
     /// Triangle of each cell.
     pub cell_triangle: Buffer,
@@ -89,11 +89,11 @@ pub struct Geometry {
 impl Geometry {
     /// Uploads `scene`, its surface cut into about `cells` cells.
     ///
-    /// `compute_captures`: hemicubes are rasterised in compute, from a tree of clusters.
-    pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32, compute_captures: bool) -> Result<Self> {
+    /// With `detail`, hemicubes are rasterised in compute, from a tree of clusters.
+    pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32, detail: Option<Detail>) -> Result<Self> {
         let order = Order::new(scene);
         let triangles = &order.triangles;
-        let (first_cell, cell_triangle) = cut_into_cells(scene, triangles, cells);
+        let (mut first_cell, cell_triangle, cell_area) = cut_into_cells(scene, triangles, cells);
         let spheres: Vec<[f32; 4]> =
             order.ranges.iter().flat_map(|r| clusters(scene, &triangles[as_usize(&r.triangles)])).collect();
         let part_cells = order
@@ -102,6 +102,9 @@ impl Geometry {
             .map(|p| first_cell[p.first_triangle as usize])
             .chain(first_cell.last().copied())
             .collect();
+        let cells = Cells { first: &mut first_cell, area: cell_area };
+        let new_tree = |detail| ClusterTree::new(device, scene, (triangles, &order.parts), cells, detail);
+        let tree = detail.map(new_tree).transpose()?;
 
         let positions: Vec<[f32; 3]> = scene.positions.iter().map(|p| p.to_array()).collect();
         let normals: Vec<u32> = scene.normals.iter().map(|n| oct_encode(*n)).collect();
@@ -129,16 +132,13 @@ impl Geometry {
         let corners = unshared.then(|| Buffer::with_data(device, "capture corners", &corners())).transpose()?;
         let counting = || (0..3 * triangles.len() as u32).collect::<Vec<u32>>();
         let corner_indices = unshared.then(|| Buffer::with_data(device, "capture corners", &counting())).transpose()?;
-        let tree = || ClusterTree::new(device, scene, triangles, &order.parts);
-        let tree = compute_captures.then(tree).transpose()?;
         let bounds = bounds(&scene.positions);
-        let cell_count = cell_triangle.len() as u32;
         Ok(Self {
             parts: order.parts,
             ranges: order.ranges,
             triangle_count: triangles.len() as u32,
             cluster_count: spheres.len() as u32,
-            cell_count,
+            cell_count: cell_triangle.len() as u32,
             part_cells,
             streams,
             radius: if triangles.is_empty() { 1.0 } else { (bounds[1] - bounds[0]).length() * 0.5 },
@@ -148,7 +148,7 @@ impl Geometry {
             clusters: Buffer::with_data(device, "cluster bounds", &spheres)?,
             first_cell: Buffer::with_data(device, "surface cells", &first_cell)?,
             cell_triangle: Buffer::with_data(device, "surface cells", &cell_triangle)?,
-            cell_radiance: Buffer::new(device, "surface radiance", u64::from(cell_count) * 24, Memory::Device)?,
+            cell_radiance: Buffer::new(device, "surface radiance", cell_triangle.len() as u64 * 24, Memory::Device)?,
             corners,
             corner_indices,
             tree,
@@ -280,7 +280,8 @@ fn clusters(scene: &Scene, triangles: &[[u32; 3]]) -> Vec<[f32; 4]> {
 }
 
 /// r² cells a triangle, so that all cells have about the same area: first cell of each triangle, triangle of each cell.
-fn cut_into_cells(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> (Vec<u32>, Vec<u32>) {
+/// And the area that cells were to have.
+fn cut_into_cells(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> (Vec<u32>, Vec<u32>, f64) {
     let area = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| scene.positions[v as usize]);
         f64::from((b - a).cross(c - a).length()) * 0.5
@@ -295,7 +296,7 @@ fn cut_into_cells(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> (Vec<u3
         owner.extend(std::iter::repeat_n(index as u32, r * r));
     }
     first.push(owner.len() as u32);
-    (first, owner)
+    (first, owner, cell)
 }
 
 fn upload_streams(device: &Arc<Device>, scene: &Scene) -> Result<(Streams, [Option<Buffer>; 4])> {

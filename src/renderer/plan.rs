@@ -3,6 +3,7 @@
 use super::Settings;
 use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
+use crate::passes::cluster_tree::{Detail, FEWEST_FOR_LEVELS};
 use crate::passes::resolve::Plane;
 use crate::scene::{Background, Light, Part, Scene};
 use crate::vk::Device;
@@ -34,6 +35,8 @@ pub struct Plan {
     pub captures: bool,
     /// They are captured in compute.
     pub compute: bool,
+    /// With levels of detail.
+    pub levels: bool,
     /// Cells that the surface is cut into; one a triangle where no capture reads them.
     pub surface_cells: u32,
 }
@@ -73,7 +76,7 @@ impl Plan {
             plan.part(pass, plan.captures, why);
         }
         if plan.captures {
-            plan.capture_parts(against_compute);
+            plan.capture_parts(against_compute, facts.opaque, cache.lod_error);
         } else {
             plan.part("capture", false, why);
         }
@@ -100,12 +103,24 @@ impl Plan {
     }
 
     /// How records look at the scene, and what that leaves out.
-    fn capture_parts(&mut self, against_compute: Option<String>) {
+    fn capture_parts(&mut self, against_compute: Option<String>, opaque: u32, lod_error: f32) {
         self.part("capture", against_compute.is_some(), "captures are rasterised in compute");
         let why = against_compute.unwrap_or_default();
         for pass in ["find_clusters", "capture_compute"] {
             self.part(pass, why.is_empty(), why.clone());
         }
+        let why = match opaque {
+            _ if !why.is_empty() => why,
+            _ if lod_error <= 0.0 => "no error is allowed for them (--lod-error 0)".into(),
+            few => format!("{few} opaque triangles are drawn as soon as chosen from"),
+        };
+        let many = opaque >= FEWEST_FOR_LEVELS && lod_error > 0.0;
+        self.levels = self.part("levels of detail", self.compute && many, why);
+    }
+
+    /// What captures in compute draw at a distance; none where captures are not in compute.
+    pub fn detail(&self) -> Option<Detail> {
+        self.compute.then_some(if self.levels { Detail::Levels } else { Detail::Exact })
     }
 
     /// Notes `part` as run or left out; returns whether it runs.
@@ -135,6 +150,7 @@ struct Facts {
     emits: bool,
     textured: bool,
     masked: bool,
+    opaque: u32,
     sky: bool,
     directional: bool,
     point: bool,
@@ -144,12 +160,14 @@ struct Facts {
 impl Facts {
     fn of(scene: &Scene) -> Self {
         let used = || scene.parts.iter().map(|part| &scene.materials[part.material as usize]);
+        let is_opaque = |part: &&Part| scene.materials[part.material as usize].alpha_cutoff.is_none();
         let light = |is: fn(&Light) -> bool| scene.lights.iter().any(is);
         Self {
             emits: used().any(|m| m.emission != Vec3::ZERO),
             textured: used()
                 .any(|m| m.base_texture.is_some() || m.normal_texture.is_some() || m.emission_texture.is_some()),
             masked: used().any(|m| m.alpha_cutoff.is_some()),
+            opaque: scene.parts.iter().filter(is_opaque).map(|part| part.triangle_count).sum(),
             sky: match &scene.background {
                 Background::Black => false,
                 Background::Constant(radiance) => *radiance != Vec3::ZERO,

@@ -50,6 +50,7 @@ impl Default for Settings {
                 accuracy: 0.3,
                 capture: CaptureMode::Auto,
                 capture_size: 32,
+                lod_error: 0.02,
                 gradients: Gradients { rotation: true, translation: true },
                 radius: Radius::Hessian,
                 min_radius: 0.006,
@@ -114,6 +115,13 @@ impl Settings {
             return Err(error("--tessellate", share, format!("must be {SHORTEST_SIDE} or more")));
         }
         positive("--accuracy", self.cache.accuracy, 10.0)?;
+        if !(0.0..=16.0).contains(&self.cache.lod_error) {
+            return Err(error(
+                "--lod-error",
+                self.cache.lod_error,
+                "must be from 0 (all triangles are drawn) to 16 texels",
+            ));
+        }
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;
         // Three shader stages address pixels by 32 bits.

@@ -1,0 +1,95 @@
+use super::*;
+use crate::math::cells::centre;
+
+/// A sheet of `side`² squares of size 1/side, bent by `height`, a cell a triangle.
+struct Sheet {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    first_cell: Vec<u32>,
+}
+
+impl Sheet {
+    fn new(side: u32, height: f32) -> Self {
+        let point = |i: u32| {
+            let [x, y] = [i % (side + 1), i / (side + 1)].map(|v| v as f32 / side as f32);
+            Vec3::new(x, y, height * (7.0 * x).sin() * (5.0 * y).cos())
+        };
+        let row = side + 1;
+        let squares = (0..side * side).map(|i| i % side + i / side * row);
+        let triangles = squares.flat_map(|i| [[i, i + 1, i + row], [i + 1, i + row + 1, i + row]]).collect::<Vec<_>>();
+        let first_cell = (0..=triangles.len() as u32).collect();
+        Self { positions: (0..row * row).map(point).collect(), triangles, first_cell }
+    }
+
+    fn levels(&self) -> Levels {
+        let Self { positions, triangles, first_cell } = self;
+        let count = triangles.len() as u32;
+        let surface = Surface { positions, triangles, first_cell, cell_area: 0.5 / f64::from(count / 2) };
+        Levels::new(&surface, First { triangle: count, cell: count })
+    }
+
+    fn corners(&self, levels: &Levels, triangle: u32) -> [Vec3; 3] {
+        let all = self.triangles.len() as u32;
+        let t = triangle
+            .checked_sub(all)
+            .map_or_else(|| self.triangles[triangle as usize], |coarse| levels.triangles[coarse as usize]);
+        t.map(|v| self.positions[v as usize])
+    }
+}
+
+fn shown<'a>(levels: &'a Levels, eye: Vec3, allowed: f32) -> impl Iterator<Item = u32> + 'a {
+    let is_shown = move |c: &&Cluster| c.own.suffices(eye, allowed) && !c.coarser.suffices(eye, allowed);
+    levels.clusters.iter().filter(is_shown).flat_map(|c| c.triangles.iter().copied())
+}
+
+#[test]
+fn the_finest_level_is_every_triangle_once() {
+    let levels = Sheet::new(64, 0.1).levels();
+    let mut finest: Vec<u32> = shown(&levels, Vec3::splat(3.0), 0.0).collect();
+    finest.sort_unstable();
+    assert!(finest.into_iter().eq(0..2 * 64 * 64));
+}
+
+/// Whatever is chosen covers the sheet's plane once: its shadow on the plane has the area 1.
+#[test]
+fn from_anywhere_clusters_shown_are_the_whole_surface_once() {
+    let sheet = Sheet::new(64, 0.1);
+    let levels = sheet.levels();
+    let mut fewest = usize::MAX;
+    for (x, z) in [(0.3, 0.01), (0.9, 0.2), (0.5, 1.0), (-2.0, 5.0), (0.5, 100.0)] {
+        let chosen: Vec<u32> = shown(&levels, Vec3::new(x, 0.4, z), 0.03).collect();
+        let area = |t: &u32| {
+            let [a, b, c] = sheet.corners(&levels, *t).map(|p| p.truncate());
+            (b - a).perp_dot(c - a) * 0.5
+        };
+        let total: f32 = chosen.iter().map(area).sum();
+        assert!((total - 1.0).abs() < 1e-4, "{total} from {x}, {z}");
+        fewest = fewest.min(chosen.len());
+    }
+    assert!(fewest < 64 * 64 / 20, "{fewest} triangles at a distance");
+}
+
+/// A coarse cell shows a cell of the surface, near it: no further away than the errors and the cells' own sizes allow.
+#[test]
+fn coarse_cells_show_cells_of_the_surface_beside_them() {
+    let sheet = Sheet::new(64, 0.05);
+    let levels = sheet.levels();
+    let count = sheet.triangles.len() as u32;
+    let middle = |t: u32| sheet.corners(&levels, t).iter().sum::<Vec3>() / 3.0;
+    for cluster in levels.clusters.iter().filter(|c| c.level > 0) {
+        for triangle in &cluster.triangles {
+            let index = (triangle - count) as usize;
+            let [first, end] = [levels.first_cell[index], levels.first_cell[index + 1]];
+            let corners = sheet.corners(&levels, *triangle);
+            for cell in first..end {
+                let uv = centre((end - first).isqrt(), cell - first);
+                let at = corners[0] + uv.x * (corners[1] - corners[0]) + uv.y * (corners[2] - corners[0]);
+                let seen = levels.shown_cell[(cell - count) as usize];
+                assert!(seen < count);
+                let distance = middle(seen).distance(at);
+                let allowed = 4.0 * cluster.own.error + 3.0 * cluster.level as f32 / 64.0;
+                assert!(distance < allowed, "level {}: {distance} above {allowed}", cluster.level);
+            }
+        }
+    }
+}
