@@ -87,13 +87,31 @@ fn extrapolation_stays_within_its_evidence() {
     b.quad(grey, vec3(0.0, 0.0, 2.0), Vec3::NEG_Z * 4.0, Vec3::Y);
     b.quad(black, vec3(0.0, 0.0, 2.0), Vec3::X * 3.0, Vec3::NEG_Z * 4.0);
     b.light(Light::Directional { direction: Vec3::NEG_X, irradiance: Vec3::splat(2.0) });
-    let mut settings = small(64);
-    (settings.cache.accuracy, settings.cache.max_radius) = (10.0, 1.0);
     let camera = look_parallel(dvec3(1.5, 4.0, 0.0), dvec3(1.5, 0.0, 0.0), 1.4);
-    let rendered = draw(&b.build(), &camera, &settings);
-    let e = rendered.picture.rgb("irradiance").unwrap()[0];
-    let (low, high) = e.iter().fold((f32::MAX, f32::MIN), |(low, high), e| (low.min(*e), high.max(*e)));
-    eprintln!("{} records, irradiance from {low} to {high}", rendered.cache.records);
+    let [low, high] = extremes(&b.build(), &camera);
     // πL = ρE₀ = 1.
     assert!(low >= 0.0 && high > 0.1 && high <= 1.0 + 1e-5, "{low} {high}");
+}
+
+/// Where a ball turns away from the only thing that is lit, irradiance ends in a crease; its slope goes on below zero.
+#[test]
+fn extrapolation_by_turning_is_never_negative() {
+    let mut b = Builder::default();
+    let (white, black) = (b.material(diffuse(1.0)), b.material(diffuse(0.0)));
+    b.sphere(black, Vec3::ZERO, 1.0, 64, Facing::Out);
+    b.quad(white, vec3(6.0, -0.5, 0.5), Vec3::NEG_Z, Vec3::Y);
+    b.light(Light::Point { position: vec3(5.5, 0.0, 0.0), intensity: Vec3::ONE });
+    let [low, high] = extremes(&b.build(), &look_parallel(dvec3(0.0, 0.0, 4.0), DVec3::ZERO, 1.1));
+    assert!(low >= 0.0 && high > 0.0, "{low} {high}");
+}
+
+/// Least and largest indirect irradiance, by zones of any size.
+fn extremes(scene: &Scene, camera: &Camera) -> [f32; 2] {
+    let mut settings = small(64);
+    (settings.cache.accuracy, settings.cache.max_radius) = (10.0, 1.0);
+    let rendered = draw(scene, camera, &settings);
+    let e = rendered.picture.rgb("irradiance").unwrap()[0];
+    let extremes = e.iter().fold([f32::MAX, f32::MIN], |[low, high], e| [low.min(*e), high.max(*e)]);
+    eprintln!("{} records, irradiance from {extremes:?}", rendered.cache.records);
+    extremes
 }
