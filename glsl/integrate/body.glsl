@@ -201,8 +201,9 @@ float harmonic_r(float inverse_r) {
 
 // R by the error of the linear extrapolation, ½|λ|d² at a distance d along the worst direction, λ the eigenvalue of H
 // (Jarosz et al. 2012; Schwarzhaupt et al. 2012): at d = a·R it is a²/2 of E. Where E is next to nothing, a share of the
-// most that what is seen could give stands for it. CPU twin: math::ward::hessian_radius.
-float hessian_r() {
+// most that what is seen could give stands for it. A record that sees no light at all, in a nook behind a wall say, knows
+// nothing of where that begins, but of what is near. CPU twin: math::ward::hessian_radius.
+float hessian_r(float inverse_r) {
     vec3 e = sums3(0), most = PI * sums3(PEAK), xx = sums3(BEND), xy = sums3(BEND + 3), yy = sums3(BEND + 6);
     if (HAS_SKY != 0) {
         e += sums3(LIGHT);
@@ -211,7 +212,7 @@ float hessian_r() {
     vec3 half_ = 0.5 * (xx - yy), worst = 0.5 * abs(xx + yy) + sqrt(half_ * half_ + xy * xy);
     float lambda = brightness(worst), scale = brightness(e) + DARK_SHARE * brightness(most), r = push.scene_radius;
     if (lambda * r * r > scale) r = sqrt(scale / lambda);
-    return r;
+    return scale > 0.0 ? r : harmonic_r(inverse_r);
 }
 
 void main() {
@@ -228,7 +229,7 @@ void main() {
     add_up();
     if (gl_LocalInvocationID.x > 0) return;
     float inverse_r = sums[3] * push.inverse_weight;
-    float r = BY_HESSIAN != 0 ? hessian_r() : harmonic_r(inverse_r);
+    float r = BY_HESSIAN != 0 ? hessian_r(inverse_r) : harmonic_r(inverse_r);
     float wanted = push.accuracy * r, footprint = records[record].geometric.w;
     float radius = clamp(wanted, push.min_radius * footprint, push.max_radius * footprint);
     // A linear change is good for something up to R, where what it leaves out is half of E, whatever the accuracy. In a
