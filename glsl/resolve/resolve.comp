@@ -78,6 +78,6 @@ void main() {
     put(NORMAL_PLANE, pixel, hit ? oct_decode(codes.x) : vec3(0.0));
     put(POSITION_PLANE, pixel, hit ? surface.xyz : vec3(0.0));
     put(DEPTH_PLANE, pixel, hit ? dot(push.forward.xyz, surface.xyz) + push.forward.w : 0.0);
-    if (COUNTS_RECORDS != 0) put(RECORDS_PLANE, pixel, texelFetch(record_count, xy, 0).x);
+    put(RECORDS_PLANE, pixel, COUNTS_RECORDS != 0 ? texelFetch(record_count, xy, 0).x : 0.0);
     put(MASK_PLANE, pixel, surface.w == 1.0 ? 1.0 : 0.0);
 }

@@ -6,7 +6,7 @@
 //! what replaces it is not. Both are measured from boxes that hold all that a group stands for, so that wherever one looks
 //! from, the clusters shown are the whole surface once, without a gap.
 //!
-//! Coarse triangles have cells of light like those of the surface, each of which shows one of the surface's ([`cells`]).
+//! Coarse triangles have cells of light like those of the surface, each of which shows one of the surface's.
 
 mod cells;
 #[cfg(test)]

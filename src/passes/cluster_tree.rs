@@ -35,7 +35,7 @@ pub struct ClusterTree {
     pub group_count: u32,
     /// Number of clusters.
     pub cluster_count: u32,
-    /// Boxes of the groups: [`Entry`].
+    /// Boxes of the groups, of all that they stand for and of what replaces them, with errors.
     pub groups: TexelBuffer,
     /// Boxes of the clusters, likewise.
     pub clusters: TexelBuffer,

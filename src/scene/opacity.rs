@@ -2,7 +2,7 @@
 //!
 //! A masked triangle is cut into n² equal ones, each with a bit: whether the surface is there (sub-triangle opacity masks,
 //! Gruen, Benthin and Woop 2020). They are numbered as the cells of `glsl/inc/subdivision.glsl`: row i, from vertex 0
-//! towards vertex 1, has 2(n − i) − 1 of them. n follows the texture's texels, within [`BUDGET`].
+//! towards vertex 1, has 2(n − i) − 1 of them. n follows the texture's texels, within a budget of 8 MiB.
 
 use super::{Material, Part, Scene};
 use glam::Vec2;
