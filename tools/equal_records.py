@@ -7,27 +7,16 @@ For each accuracy (default .6, .3) the scene is rendered with both gradients; th
 same number of records within 1 %, found by bisection. Without gradients R is the harmonic mean distance, for the second
 derivatives say nothing of what constant irradiance leaves out. Prints both errors and their ratio.
 """
-import json
 import math
-import re
-import subprocess
 import sys
-import tempfile
-from pathlib import Path
 
-HEMICUBE = Path(__file__).resolve().parent.parent / "target/release/hemicube"
+from frame import frame
 
 
-def measure(scene, reference, size, gradients, accuracy):
+def measure(scene, reference, gradients, accuracy):
     """Records, and mean absolute error over the mean."""
-    with tempfile.TemporaryDirectory() as folder:
-        picture, stats = Path(folder) / "out.exr", Path(folder) / "stats.json"
-        subprocess.run([HEMICUBE, "render", scene, "-q", "-o", picture, "--layers", "irradiance", "--stats", stats,
-                        "--width", str(size[0]), "--height", str(size[1]), "--gradients", gradients,
-                        "--accuracy", f"{accuracy:.5f}"], check=True, stdout=subprocess.DEVNULL)
-        compared = subprocess.run([HEMICUBE, "compare", picture, reference, "--layer", "irradiance=b1", "--mask", "mask",
-                                   "--no-flip", "--json", "-"], check=True, capture_output=True, text=True)
-        return json.loads(stats.read_text())["records"], json.loads(compared.stdout)["layers"][0]["mae"]
+    stats, layer = frame(scene, reference, "--gradients", gradients, "--accuracy", f"{accuracy:.5f}")
+    return stats["records"], layer["mae"]
 
 
 def at_equal_records(run, wanted):
@@ -46,10 +35,7 @@ def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     scene, reference = sys.argv[1:3]
-    found = re.search(r"(\d+)x(\d+)\.exr$", reference)
-    if not found:
-        sys.exit(f"{reference}: the name must end in WIDTHxHEIGHT.exr")
-    run = lambda gradients, accuracy: measure(scene, reference, found.groups(), gradients, accuracy)
+    run = lambda gradients, accuracy: measure(scene, reference, gradients, accuracy)
     print("accuracy  records   error  without: accuracy  records   error  ratio")
     for accuracy in map(float, sys.argv[3:] or ["0.6", "0.3"]):
         records, error = run("both", accuracy)

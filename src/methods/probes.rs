@@ -66,7 +66,8 @@ pub struct SurfaceCell {
 /// How places look at the scene and how the scene is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbeSettings {
-    /// How places look at the scene.
+    /// How places look at the scene. Hemispheres by render passes want a scene that is cut small ([`Scene::tessellated`]); so
+    /// do those in compute where they do not fit, as [`CaptureMode::against_compute`] says.
     pub capture: CaptureMode,
     /// Texels a side of a capture (a hemicube's top): even, from 8 to 256.
     pub capture_size: u32,
