@@ -30,7 +30,6 @@ layout(set = 0, binding = 9, std430) readonly buffer ShownCell { uint shown_cell
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     uint word_count;
-    uint triangle_count;
     uint texel_count;
     uint first_coarse_cell;
 } push;
@@ -269,8 +268,8 @@ void draw(View view, uint texels, uint first) {
         uint listed = list_clusters(view, start);
         for (uint entry = 0; entry < listed; ++entry) {
             uint triangle = list[entry] * THREADS + me;
-            Triangle t = load(view, min(triangle, push.triangle_count - 1));
-            if (triangle < push.triangle_count) rasterise(t, bounds(t, view.face), (entry + 1) << PLACE_BITS | me);
+            Triangle t = load(view, triangle);
+            rasterise(t, bounds(t, view.face), (entry + 1) << PLACE_BITS | me);
         }
         barrier();
     }

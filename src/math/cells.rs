@@ -23,20 +23,21 @@ pub fn at(r: u32, uv: Vec2) -> u32 {
     i * (2 * r - i) + 2 * j + upper
 }
 
+/// The point (s, t), s + t ≤ 1, of a cell, in (u, v).
+pub fn point(r: u32, cell: u32, st: DVec2) -> DVec2 {
+    let [row, along] = place(r, cell);
+    let corner = UVec2::new(row, along / 2).as_dvec2();
+    (corner + if along.is_multiple_of(2) { st } else { 1.0 - st }) / f64::from(r)
+}
+
 /// Centre (u, v) of a cell.
 pub fn centre(r: u32, cell: u32) -> Vec2 {
-    let [row, along] = place(r, cell);
-    let within = if along.is_multiple_of(2) { 1.0 / 3.0 } else { 2.0 / 3.0 };
-    (UVec2::new(row, along / 2).as_vec2() + within) / r as f32
+    point(r, cell, DVec2::splat(1.0 / 3.0)).as_vec2()
 }
 
 /// Corners (u, v) of a cell.
 pub fn corners(r: u32, cell: u32) -> [DVec2; 3] {
-    let [row, along] = place(r, cell);
-    let corner = DVec2::new(f64::from(row), f64::from(along / 2));
-    let local = [DVec2::ZERO, DVec2::X, DVec2::Y];
-    let spot = |st: DVec2| corner + if along.is_multiple_of(2) { st } else { 1.0 - st };
-    local.map(|st| spot(st) / f64::from(r))
+    [DVec2::ZERO, DVec2::X, DVec2::Y].map(|st| point(r, cell, st))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_1_PI, PI};
 /// Lambert 1760 (as in Baum, Rushmeier, Winget 1989): `½ Σ Θ_i n·Γ_i`; the polygon is clipped at the horizon
 /// first. `corners` are relative to the point that receives.
 pub fn polygon(n: DVec3, corners: &[DVec3]) -> f64 {
-    let clipped = clip(n, corners);
+    let clipped = clip(corners, |p| n.dot(p));
     let edges = clipped.iter().zip(clipped.iter().cycle().skip(1));
     let sum: f64 = edges
         .map(|(a, b)| {
@@ -22,12 +22,12 @@ pub fn polygon(n: DVec3, corners: &[DVec3]) -> f64 {
     (0.5 * sum).abs()
 }
 
-/// The part of a polygon that lies above the plane through the origin with normal `n` (Sutherland and Hodgman 1974).
-fn clip(n: DVec3, corners: &[DVec3]) -> Vec<DVec3> {
+/// The part of a convex polygon where `height`, a linear function, is positive (Sutherland and Hodgman 1974).
+pub fn clip(corners: &[DVec3], height: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut out = Vec::with_capacity(corners.len() + 1);
     for (i, &a) in corners.iter().enumerate() {
         let b = corners[(i + 1) % corners.len()];
-        let (ha, hb) = (n.dot(a), n.dot(b));
+        let (ha, hb) = (height(a), height(b));
         if ha >= 0.0 {
             out.push(a);
         }

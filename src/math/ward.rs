@@ -40,6 +40,7 @@ pub fn in_front(offset: DVec3, n: DVec3, n_k: DVec3, r: f64) -> bool {
 ///
 /// The error is ½|λ|d², λ the largest eigenvalue of the Hessian `h` = (xx, xy, yy) of the irradiance `e` (Jarosz,
 /// Schwarzhaupt, Popov, Dachsbacher 2012). `most` = π·L_max; a share of it stands for irradiance next to nothing.
+/// Where no light is seen at all nothing follows from this, and the harmonic mean distance stands for R.
 pub fn hessian_radius(e: f64, most: f64, h: DVec3) -> f64 {
     const DARK_SHARE: f64 = 0.02;
     let lambda = (h.x + h.z).abs() / 2.0 + ((h.x - h.z) / 2.0).hypot(h.y);

@@ -95,8 +95,7 @@ enum By {
 
 impl Captures {
     /// Builds captures of `size` texels a side; `in_compute` as the plan says, where coarse triangles are wrong by
-    /// `lod_error` texels at most. They see the `sky`, if there is one, and keep
-    /// `planes` for the translation gradient.
+    /// `lod_error` texels at most. They see the `sky`, if there is one, and keep `planes` for the translation gradient.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,

@@ -70,7 +70,7 @@ impl DirectLight {
             lights: &lights,
             sampler: &sampler,
             triangles,
-            opaque: geometry.opaque_count(),
+            opaque: scene.opaque_count(),
         };
         let surface = cells.then(|| SurfaceLight::new(device, scene, geometry, textures, &shadows)).transpose()?;
         let pixel = pixels

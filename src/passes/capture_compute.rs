@@ -28,7 +28,6 @@ const NEAREST: f32 = 4.0 / 65536.0;
 struct Push {
     nearest: f32,
     word_count: u32,
-    triangle_count: u32,
     texel_count: u32,
     /// Cells from here on are coarse ones.
     first_coarse_cell: u32,
@@ -124,7 +123,6 @@ impl CaptureCompute {
         let push = Push {
             nearest: geometry.radius * NEAREST,
             word_count: FindClusters::words(tree),
-            triangle_count: tree.cluster_count * CLUSTER,
             texel_count: looks.texels,
             first_coarse_cell: geometry.cell_count,
         };

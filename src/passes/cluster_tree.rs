@@ -17,15 +17,12 @@ const GROUP: usize = u32::BITS as usize;
 /// Texels of the corners' buffer that a triangle takes.
 const CORNERS: u64 = 3;
 
-/// Opaque triangles from which levels of detail are made. Fewer are drawn sooner than coarser ones made.
-pub const FEWEST_FOR_LEVELS: u32 = 1 << 17;
-
 /// What is drawn at a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// What is drawn nearby.
     Exact,
-    /// Coarser clusters that stand for the opaque ones, where there are many.
+    /// Coarser clusters that stand for the opaque ones.
     Levels,
 }
 
@@ -70,9 +67,8 @@ impl ClusterTree {
         cells: Cells<'_>,
         detail: Detail,
     ) -> Result<Self> {
-        let is_opaque = |part: &&Part| scene.materials[part.material as usize].alpha_cutoff.is_none();
-        let opaque: u32 = parts.iter().filter(is_opaque).map(|part| part.triangle_count).sum();
-        let levels = (detail == Detail::Levels && opaque >= FEWEST_FOR_LEVELS).then(|| {
+        let opaque = scene.opaque_count();
+        let levels = (detail == Detail::Levels).then(|| {
             let (positions, first_cell) = (&scene.positions, &*cells.first);
             let surface =
                 Surface { positions, triangles: &triangles[..opaque as usize], first_cell, cell_area: cells.area };

@@ -1,7 +1,7 @@
 //! The scene's geometry on the GPU: vertex streams, triangles in an order made for culling, clusters, surface cells.
 
 use super::cluster_tree::{Cells, ClusterTree, Detail};
-use crate::math::adjacency;
+use crate::math::{adjacency, levels};
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
 use ash::vk;
@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Triangles of a cluster: culled and drawn together.
-pub const CLUSTER: u32 = 64;
+pub const CLUSTER: u32 = levels::CLUSTER as u32;
 
 /// Triangles in a row of the image of [`Geometry::linked_triangles`]; `SHADOW_ROW` in `glsl/inc/shadow.glsl`.
 const TRIANGLES_IN_ROW: u32 = 1024;
@@ -41,7 +41,7 @@ pub struct Streams {
 pub struct Geometry {
     /// Triangles of each material, in the geometry's order.
     pub parts: Vec<Part>,
-    /// Draw ranges: opaque first.
+    /// Draw ranges: opaque triangles first.
     pub ranges: Vec<DrawRange>,
     /// Triangles, in the geometry's order.
     pub triangles: Vec<[u32; 3]>,
@@ -161,11 +161,6 @@ impl Geometry {
         })
     }
 
-    /// Number of triangles without an alpha mask: they come first.
-    pub fn opaque_count(&self) -> u32 {
-        self.ranges.first().filter(|range| range.masked.is_none()).map_or(0, |range| range.triangles.end)
-    }
-
     /// Uploads each triangle as three texels in a row: a corner's position, and the triangle across the edge opposite to it.
     ///
     /// An image, because some devices fetch a texel of four words several times faster than words from a buffer.
@@ -206,8 +201,7 @@ struct Order {
 impl Order {
     fn new(scene: &Scene) -> Self {
         let mut sources: Vec<_> = scene.parts.iter().filter(|p| p.triangle_count > 0).collect();
-        let masked = |part: &Part| scene.materials[part.material as usize].alpha_cutoff.is_some();
-        sources.sort_by_key(|part| masked(part));
+        sources.sort_by_key(|part| scene.is_masked(part));
         let mut order = Self { triangles: Vec::with_capacity(scene.triangles.len()), parts: vec![], ranges: vec![] };
         let bounds = bounds(&scene.positions);
         for part in sources {
@@ -215,7 +209,7 @@ impl Order {
             let range = part.first_triangle..part.first_triangle + part.triangle_count;
             order.triangles.extend(along_morton_curve(scene, &scene.triangles[as_usize(&range)], bounds));
             order.parts.push(Part { first_triangle: first, ..*part });
-            order.extend_ranges(masked(part).then_some(part.material), first);
+            order.extend_ranges(scene.is_masked(part).then_some(part.material), first);
         }
         order
     }

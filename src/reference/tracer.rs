@@ -31,8 +31,7 @@ impl<'a> Tracer<'a> {
         let mut masked = vec![false; scene.triangles.len()];
         for part in &scene.parts {
             let first = part.first_triangle as usize;
-            let cut = scene.materials[part.material as usize].alpha_cutoff.is_some();
-            masked[first..first + part.triangle_count as usize].fill(cut);
+            masked[first..first + part.triangle_count as usize].fill(scene.is_masked(part));
         }
         Self {
             scene,

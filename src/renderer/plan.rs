@@ -3,11 +3,14 @@
 use super::Settings;
 use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
-use crate::passes::cluster_tree::{Detail, FEWEST_FOR_LEVELS};
+use crate::passes::cluster_tree::Detail;
 use crate::passes::resolve::Plane;
 use crate::scene::{Background, Light, Part, Scene};
 use crate::vk::Device;
 use glam::Vec3;
+
+/// Opaque triangles from which levels of detail are made. Fewer are drawn sooner than coarser ones made.
+const FEWEST_FOR_LEVELS: u32 = 1 << 17;
 
 /// A part that does not run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -109,10 +112,12 @@ impl Plan {
         for pass in ["find_clusters", "capture_compute"] {
             self.part(pass, why.is_empty(), why.clone());
         }
-        let why = match opaque {
-            _ if !why.is_empty() => why,
-            _ if lod_error <= 0.0 => "no error is allowed for them (--lod-error 0)".into(),
-            few => format!("{few} opaque triangles are drawn as soon as chosen from"),
+        let why = if !why.is_empty() {
+            why
+        } else if lod_error <= 0.0 {
+            "no error is allowed for them (--lod-error 0)".into()
+        } else {
+            format!("{opaque} opaque triangles are drawn as soon as chosen from")
         };
         let many = opaque >= FEWEST_FOR_LEVELS && lod_error > 0.0;
         self.levels = self.part("levels of detail", self.compute && many, why);
@@ -160,14 +165,13 @@ struct Facts {
 impl Facts {
     fn of(scene: &Scene) -> Self {
         let used = || scene.parts.iter().map(|part| &scene.materials[part.material as usize]);
-        let is_opaque = |part: &&Part| scene.materials[part.material as usize].alpha_cutoff.is_none();
         let light = |is: fn(&Light) -> bool| scene.lights.iter().any(is);
         Self {
             emits: used().any(|m| m.emission != Vec3::ZERO),
             textured: used()
                 .any(|m| m.base_texture.is_some() || m.normal_texture.is_some() || m.emission_texture.is_some()),
-            masked: used().any(|m| m.alpha_cutoff.is_some()),
-            opaque: scene.parts.iter().filter(is_opaque).map(|part| part.triangle_count).sum(),
+            masked: scene.parts.iter().any(|part| scene.is_masked(part)),
+            opaque: scene.opaque_count(),
             sky: match &scene.background {
                 Background::Black => false,
                 Background::Constant(radiance) => *radiance != Vec3::ZERO,

@@ -20,17 +20,8 @@ struct Corner {
 
 /// A diffuse surface of albedo `rho` in all channels.
 pub fn diffuse(rho: f32) -> Material {
-    Material {
-        name: String::new(),
-        base_color: Vec4::new(rho, rho, rho, 1.0),
-        base_texture: None,
-        normal_texture: None,
-        normal_scale: 1.0,
-        emission: Vec3::ZERO,
-        emission_texture: None,
-        alpha_cutoff: None,
-        double_sided: true,
-    }
+    let white = super::gltf::materials::default_material();
+    Material { base_color: Vec4::new(rho, rho, rho, 1.0), double_sided: true, ..white }
 }
 
 /// A surface that emits from its front.

@@ -64,6 +64,18 @@ pub struct Scene {
     pub notes: Vec<String>,
 }
 
+impl Scene {
+    /// Whether the part's surface is absent in places.
+    pub fn is_masked(&self, part: &Part) -> bool {
+        self.materials[part.material as usize].alpha_cutoff.is_some()
+    }
+
+    /// Number of triangles without an alpha mask.
+    pub fn opaque_count(&self) -> u32 {
+        self.parts.iter().filter(|part| !self.is_masked(part)).map(|part| part.triangle_count).sum()
+    }
+}
+
 /// A run of triangles with one material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Part {

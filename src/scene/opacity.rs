@@ -1,10 +1,10 @@
 //! Alpha masks as bits on the triangles, for what looks at triangles without their textures.
 //!
 //! A masked triangle is cut into n² equal ones, each with a bit: whether the surface is there (sub-triangle opacity masks,
-//! Gruen, Benthin and Woop 2020). They are numbered as the cells of `glsl/inc/subdivision.glsl`: row i, from vertex 0
-//! towards vertex 1, has 2(n − i) − 1 of them. n follows the texture's texels, within a budget of 8 MiB.
+//! Gruen, Benthin and Woop 2020). They are numbered as the cells of [`crate::math::cells`]. n follows the texture's texels, within a budget of 8 MiB.
 
 use super::{Material, Part, Scene};
+use crate::math::cells;
 use glam::Vec2;
 use rayon::prelude::*;
 use std::collections::HashMap;
@@ -91,11 +91,8 @@ impl Scene {
     fn masked(&self, triangles: &[[u32; 3]], parts: &[Part]) -> Masked<'_> {
         let mut masked = Masked::default();
         let mut places = HashMap::new();
-        for part in parts {
+        for part in parts.iter().filter(|part| self.is_masked(part)) {
             let material = &self.materials[part.material as usize];
-            if material.alpha_cutoff.is_none() {
-                continue;
-            }
             for triangle in part.first_triangle..part.first_triangle + part.triangle_count {
                 let vertices = triangles[triangle as usize];
                 let place = *places.entry(self.key(part.material, vertices)).or_insert_with(|| {
@@ -138,14 +135,15 @@ impl Scene {
         let cutoff = of.material.alpha_cutoff.unwrap_or(0.0);
         let mut words = vec![0; bytes(n) / size_of::<u32>()];
         let mut present = 0;
-        for i in 0..n {
-            for along in 0..2 * (n - i) - 1 {
-                let piece = i * (2 * n - i) + along;
-                let at = piece_point(n, [i, along], if spread { scattered(piece) } else { Vec2::splat(1.0 / 3.0) });
-                if self.alpha(of.material, of.vertices, at) >= cutoff {
-                    words[piece as usize / 32] |= 1 << (piece % 32);
-                    present += 1;
-                }
+        for piece in 0..n * n {
+            let at = if spread {
+                cells::point(n, piece, scattered(piece).as_dvec2()).as_vec2()
+            } else {
+                cells::centre(n, piece)
+            };
+            if self.alpha(of.material, of.vertices, at) >= cutoff {
+                words[piece as usize / 32] |= 1 << (piece % 32);
+                present += 1;
             }
         }
         (present < n * n).then_some((n, words))
@@ -169,12 +167,6 @@ fn finest(distinct: &[Distinct<'_>]) -> u32 {
 /// Bytes of a mask of `n` pieces along a side.
 fn bytes(n: u32) -> usize {
     ((n * n) as usize).div_ceil(32 * TEXEL_WORDS) * TEXEL_WORDS * size_of::<u32>()
-}
-
-/// Weights of vertices 1 and 2 at the point (s, t), s + t ≤ 1, of a piece.
-fn piece_point(n: u32, [i, along]: [u32; 2], st: Vec2) -> Vec2 {
-    let corner = Vec2::new(i as f32, (along / 2) as f32);
-    (if along % 2 == 0 { corner + st } else { corner + 1.0 - st }) / n as f32
 }
 
 /// A point of a triangle for each number, evenly spread over many (Roberts 2018): where pieces are wider than texels, a

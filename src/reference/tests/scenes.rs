@@ -1,21 +1,11 @@
 //! Small scenes built in code.
 
-use crate::scene::{Background, EnvironmentMap, Light, Material, Part, Scene};
-use glam::{DVec3, Vec3, Vec4, dvec3, vec3};
+use crate::scene::{Background, EnvironmentMap, Light, Material, Part, Scene, build};
+use glam::{DVec3, Vec3, dvec3, vec3};
 
 /// A material that reflects.
 pub fn diffuse(albedo: f32) -> Material {
-    Material {
-        name: String::new(),
-        base_color: Vec4::new(albedo, albedo, albedo, 1.0),
-        base_texture: None,
-        normal_texture: None,
-        normal_scale: 1.0,
-        emission: Vec3::ZERO,
-        emission_texture: None,
-        alpha_cutoff: None,
-        double_sided: false,
-    }
+    Material { double_sided: false, ..build::diffuse(albedo) }
 }
 
 /// A material that emits radiance 1 × `l` from both sides.

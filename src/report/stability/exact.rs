@@ -3,7 +3,7 @@
 //! Each cell of the surface, of constant radiance, is cut by the shadow of every triangle as seen from the point; what is
 //! left are convex polygons, whose irradiance is Lambert's. For scenes of few triangles.
 
-use crate::math::form_factor::polygon;
+use crate::math::form_factor::{clip, polygon};
 use crate::methods::probes::SurfaceCell;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -69,27 +69,11 @@ fn without(polygon: Vec<DVec3>, shadow: &Shadow) -> Vec<Vec<DVec3>> {
     }
     let (mut rest, mut outside) = (polygon, Vec::new());
     for &(n, d) in shadow {
-        outside.push(beyond(&rest, -n, -d));
-        rest = beyond(&rest, n, d);
+        outside.push(clip(&rest, |p| d - n.dot(p)));
+        rest = clip(&rest, |p| n.dot(p) - d);
     }
     outside.retain(|piece| piece.len() > 2);
     outside
-}
-
-/// The part of a convex polygon where n·x > d (Sutherland and Hodgman 1974).
-fn beyond(polygon: &[DVec3], n: DVec3, d: f64) -> Vec<DVec3> {
-    let mut out = Vec::with_capacity(polygon.len() + 1);
-    for (i, &a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        let (ha, hb) = (n.dot(a) - d, n.dot(b) - d);
-        if ha >= 0.0 {
-            out.push(a);
-        }
-        if (ha > 0.0 && hb < 0.0) || (ha < 0.0 && hb > 0.0) {
-            out.push(a + (b - a) * (ha / (ha - hb)));
-        }
-    }
-    out
 }
 
 #[cfg(test)]
