@@ -7,14 +7,12 @@ mod common;
 use common::build::{Facing, diffuse, emitter, tessellated};
 use common::closed_forms::{crosses_box, element, over_square, parallelogram, point_light, polygon, spot_factor};
 use common::{Builder, against, assert_close, each_capture, look, look_parallel, picture, small};
-use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
+use glam::{DVec3, Vec3, dvec3, vec3};
 use hemicube::image::Picture;
 use hemicube::methods::captures::CaptureMode;
 use hemicube::passes::integrate::Radius;
 use hemicube::renderer::Settings;
-use hemicube::scene::{
-    Background, Camera, EnvironmentMap, Light, Material, Scene, TextureRef, cornell, load_from_slice,
-};
+use hemicube::scene::{Background, Camera, EnvironmentMap, Light, Material, Scene, cornell, load_from_slice};
 use std::f64::consts::PI;
 
 /// Factors of a light's red, green and blue, so that mixed-up channels show.
@@ -273,42 +271,6 @@ fn a_spot_its_cone_and_its_shadow() {
         assert_close(&format!("spot {inner}°–{outer}°"), lit, 1e-3, 5e-3, 1e-3);
         assert_close("a spot's shadow", dark, 0.0, 0.0, 0.0);
     }
-}
-
-/// A plate with square holes lets the sun through where it is cut.
-#[test]
-fn an_alpha_mask_is_cut_out_of_the_shadow() {
-    let mut b = Builder::default();
-    let texels = (0..64).map(|i| if (i + i / 8) % 2 == 0 { [255; 4] } else { [255, 255, 255, 0] }).collect();
-    let texture = b.texture(8, 8, texels, true);
-    let grey = b.material(diffuse(0.5));
-    let base_texture = Some(TextureRef { texture, set: 0, transform: Mat3::IDENTITY });
-    let grid = b.material(Material { base_texture, alpha_cutoff: Some(0.5), ..diffuse(0.5) });
-    b.floor(grey, 0.0, 2.0);
-    b.floor(grid, 1.0, 1.0);
-    b.light(Light::Directional { direction: Vec3::NEG_Y, irradiance: tinted(2.0) });
-    let settings = Settings { bounces: 0, ..small(96) };
-    let picture = picture(&b.build(), &look(dvec3(0.0, 0.8, 2.6), dvec3(0.0, 0.0, 0.0), 60.0), &settings);
-    // Square of the grid that p lies under, as (column, row) and the distance to its nearest side.
-    let cell = |p: DVec3| {
-        let (u, v) = ((p.x + 1.0) * 4.0, (1.0 - p.z) * 4.0);
-        let side = |x: f64| (x - x.round()).abs();
-        ((u.floor() as i64, v.floor() as i64), side(u).min(side(v)))
-    };
-    let floor = |p: DVec3| p.y.abs() < 1e-4;
-    let expected = |p: DVec3| {
-        let ((column, row), distance) = cell(p);
-        let under = inside(p, 1.0);
-        let open = !under || (column + row) % 2 == 1;
-        (floor(p) && distance > 0.02).then_some(if open { 2.0 } else { 0.0 })
-    };
-    let deviation = against(&picture, "irradiance_direct", TINT, |p, _| expected(p));
-    assert_close("light through a mask", deviation, 1e-4, 1e-3, 1e-4);
-    let shaded = picture.xyz("P").unwrap();
-    let at = |i: usize| DVec3::from(shaded.map(|plane| f64::from(plane[i])));
-    let counts = (0..shaded[0].len()).filter_map(|i| expected(at(i)).filter(|_| inside(at(i), 1.0)));
-    let (open, closed): (Vec<f64>, Vec<f64>) = counts.partition(|e| *e > 0.0);
-    assert!(open.len() > 50 && closed.len() > 50, "{} open, {} closed", open.len(), closed.len());
 }
 
 // One bounce.

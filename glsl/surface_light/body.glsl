@@ -1,6 +1,6 @@
 // Lights the surface cells of one material: adds, for each light sample of the current batch of shadow views, the
 // radiance that a cell reflects to its front and to its back. Each pair of cell and light sample uses a point of its own
-// in the cell, so that the cell's mean over many samples is a mean over its area too.
+// in the cell, so that the cell's mean over many samples is a mean over its area too: that part which an alpha mask leaves.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
 #include "inc/oct.glsl"
@@ -43,9 +43,13 @@ layout(push_constant) uniform Push {
 #include "inc/light.glsl"
 #include "inc/shadow.glsl"
 
-// The s-th point of a cell's triangle: R2 sequence (Roberts 2018), turned by the cell, folded.
-vec2 point_in_cell(uint cell, uint s) {
-    vec2 turn = vec2(unit_float(pcg(cell)), unit_float(pcg(cell ^ 0x9e3779b9u)));
+// Captures see masked materials where they are present, so that only such points count: this many are tried for a pair.
+const uint TRIES = 8;
+
+// The s-th point of a cell's triangle: R2 sequence (Roberts 2018), turned by the cell and by how often it was tried, folded.
+vec2 point_in_cell(uint cell, uint s, uint tries) {
+    uint seed = cell ^ tries * 0x85ebca6bu;
+    vec2 turn = vec2(unit_float(pcg(seed)), unit_float(pcg(seed ^ 0x9e3779b9u)));
     vec2 p = fract(turn + vec2(0.7548776662466927, 0.5698402909980532) * float(s + 1));
     return p.x + p.y > 1.0 ? 1.0 - p : p;
 }
@@ -69,22 +73,6 @@ Corners corners_at(uint triangle) {
     return t;
 }
 
-// A point of a cell and what one light sample sends to it, before its shadow.
-struct Sample { uint light; vec2 uv; vec3 lifted; vec3 direction; vec3 irradiance; float side; };
-
-Sample sample_at(uint index, Corners t, uint r, uint cell, uint first) {
-    Sample s;
-    s.light = index / push.points;
-    s.uv = cell_point(r, cell - first, point_in_cell(cell, push.first_light * push.points + index));
-    vec3 p = t.p0 + s.uv.x * t.e1 + s.uv.y * t.e2;
-    Arriving light = light_arriving(lights[s.light], p);
-    s.side = dot(t.geometric, light.direction);
-    s.lifted = p + t.geometric * (s.side >= 0.0 ? push.lift : -push.lift);
-    s.direction = light.direction;
-    s.irradiance = light.irradiance;
-    return s;
-}
-
 Surface surface_of(Corners t, Material material, vec2 uv) {
     vec3 b = vec3(1.0 - uv.x - uv.y, uv);
     vec3 normal = b.x * t.normals[0] + b.y * t.normals[1] + b.z * t.normals[2];
@@ -97,6 +85,41 @@ Surface surface_of(Corners t, Material material, vec2 uv) {
     return surface;
 }
 
+// Where in its triangle a pair's point is, tried for the n-th time.
+vec2 place_of(uint index, uint r, uint cell, uint first, uint n) {
+    return cell_point(r, cell - first, point_in_cell(cell, push.first_light * push.points + index, n));
+}
+
+// The first try that meets the surface; TRIES if none does.
+uint present_try(uint index, Corners t, Material material, uint r, uint cell, uint first) {
+    for (uint n = 0; n < TRIES; ++n)
+        if (surface_of(t, material, place_of(index, r, cell, first, n)).albedo.a >= material.alpha.x) return n;
+    return TRIES;
+}
+
+// A point of a cell and what one light sample sends to it, before its shadow.
+struct Sample { uint light; vec2 uv; vec3 lifted; vec3 direction; vec3 irradiance; float side; };
+
+Sample sample_at(uint index, Corners t, vec2 uv) {
+    Sample s;
+    s.light = index / push.points;
+    s.uv = uv;
+    vec3 p = t.p0 + s.uv.x * t.e1 + s.uv.y * t.e2;
+    Arriving light = light_arriving(lights[s.light], p);
+    s.side = dot(t.geometric, light.direction);
+    s.lifted = p + t.geometric * (s.side >= 0.0 ? push.lift : -push.lift);
+    s.direction = light.direction;
+    s.irradiance = light.irradiance;
+    return s;
+}
+
+// Which try of a pair met the surface: of 32 pairs, a bit of each in a word.
+uint try_of(uvec3 words, uint i) {
+    if (HAS_MASK == 0) return 0;
+    uvec3 bits = words >> i & 1;
+    return bits.x | bits.y << 1 | bits.z << 2;
+}
+
 void main() {
     uint at = invocation();
     if (at >= push.count) return;
@@ -107,12 +130,21 @@ void main() {
     Material material = materials[push.material];
 
     vec3 front = vec3(0.0), back = vec3(0.0);
-    uint samples = push.light_count * push.points;
+    uint samples = push.light_count * push.points, absent = 0;
     for (uint start = 0; start < samples; start += 32) {
         // Of up to 32 pairs of light sample and point: which are lit, which too close to an edge to tell so quickly.
         uint lit = 0, close = 0, end = min(32, samples - start);
+        uvec3 tries = uvec3(0);
         for (uint i = 0; i < end; ++i) {
-            Sample s = sample_at(start + i, corners, r, cell, first);
+            if (HAS_MASK != 0) {
+                uint n = present_try(start + i, corners, material, r, cell, first);
+                if (n == TRIES) {
+                    ++absent;
+                    continue;
+                }
+                tries |= (uvec3(n, n >> 1, n >> 2) & 1) << i;
+            }
+            Sample s = sample_at(start + i, corners, place_of(start + i, r, cell, first, try_of(tries, i)));
             if (!any(greaterThan(s.irradiance, vec3(0.0)))) continue;
             uint shadow = shadow_at(s.light, s.lifted, corners.geometric);
             if (shadow == LIT) lit |= 1u << i;
@@ -120,11 +152,12 @@ void main() {
         }
         for (; close != 0; close &= close - 1) {
             uint i = findLSB(close);
-            Sample s = sample_at(start + i, corners, r, cell, first);
+            Sample s = sample_at(start + i, corners, place_of(start + i, r, cell, first, try_of(tries, i)));
             if (is_lit(s.light, triangle, s.lifted, corners.geometric)) lit |= 1u << i;
         }
         for (; lit != 0; lit &= lit - 1) {
-            Sample s = sample_at(start + findLSB(lit), corners, r, cell, first);
+            uint i = findLSB(lit);
+            Sample s = sample_at(start + i, corners, place_of(start + i, r, cell, first, try_of(tries, i)));
             Surface surface = surface_of(corners, material, s.uv);
             vec3 leaving = surface.albedo.rgb * s.irradiance / (PI * float(push.points));
             float cosine = dot(surface.normal, s.direction);
@@ -132,8 +165,10 @@ void main() {
             else back += leaving * max(-cosine, 0.0);
         }
     }
+    // The pairs without a point of the surface stand for those with one. Of what has none nothing is seen.
+    float share = absent < samples ? float(samples) / float(samples - absent) : 0.0;
     for (int k = 0; k < 3; ++k) {
-        cell_radiance[6 * cell + k] += front[k];
-        cell_radiance[6 * cell + 3 + k] += back[k];
+        cell_radiance[6 * cell + k] += share * front[k];
+        cell_radiance[6 * cell + 3 + k] += share * back[k];
     }
 }
