@@ -5,10 +5,13 @@
 #include "shared/types.glsl"
 #include "inc/views.glsl"
 #include "inc/scene.glsl"
+#include "inc/triangles.glsl"
 #include "inc/material_constants.glsl"
 #include "inc/vertex_streams.glsl"
+#include "capture/fan.glsl"
 layout(constant_id = 8) const uint VIEWS = 0;
 layout(constant_id = 9) const uint HAS_HORIZON = 1;
+layout(constant_id = 10) const uint AS_FANS = 0;
 
 layout(set = FRAME_SET, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(push_constant) uniform Push { uint frame; uint material; } push;
@@ -22,17 +25,35 @@ layout(location = 2) flat out uint triangle;
 
 out float gl_ClipDistance[1];
 
-void main() {
-    uint vertex = indices[gl_VertexIndex];
-    vec3 position = vec3(positions[3 * vertex], positions[3 * vertex + 1], positions[3 * vertex + 2]);
-    Frame frame = frames[push.frame];
-    gl_Position = project(VIEWS, gl_ViewIndex, frame, position);
-    gl_ClipDistance[0] = HAS_HORIZON != 0 ? above_horizon(VIEWS, frame, position) : 1.0;
+void write_attributes(uint number, vec4 uv, float a) {
 #ifdef TEXTURED
-    uvs = vec4(uv0_of(vertex), uv1_of(vertex));
+    uvs = uv;
 #endif
-    alpha = color_of(vertex).a;
+    alpha = a;
 #ifdef IDENTITY
-    triangle = gl_VertexIndex / 3;
+    triangle = number;
 #endif
+}
+
+vec4 uvs_of(uint vertex) { return vec4(uv0_of(vertex), uv1_of(vertex)); }
+
+void main() {
+    Frame frame = frames[push.frame];
+    vec3 position;
+    if (AS_FANS != 0) {
+        uint number = gl_VertexIndex / (3 * FAN);
+        uvec3 c = corners_of(number);
+        mat3 p = mat3(position_of(c.x), position_of(c.y), position_of(c.z));
+        vec3 weights = fan_corner(VIEWS, gl_ViewIndex, frame, p, gl_VertexIndex % (3 * FAN));
+        position = p * weights;
+        gl_Position = fan_position(VIEWS, gl_ViewIndex, frame, p, weights);
+        vec3 alphas = vec3(color_of(c.x).a, color_of(c.y).a, color_of(c.z).a);
+        write_attributes(number, mat3x4(uvs_of(c.x), uvs_of(c.y), uvs_of(c.z)) * weights, dot(alphas, weights));
+    } else {
+        uint vertex = indices[gl_VertexIndex];
+        position = position_of(vertex);
+        gl_Position = project(VIEWS, gl_ViewIndex, frame, position);
+        write_attributes(gl_VertexIndex / 3, uvs_of(vertex), color_of(vertex).a);
+    }
+    gl_ClipDistance[0] = HAS_HORIZON != 0 ? above_horizon(VIEWS, frame, position) : 1.0;
 }

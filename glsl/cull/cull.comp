@@ -10,7 +10,7 @@ layout(local_size_x = 32) in;
 layout(constant_id = 0) const uint VIEWS = 0;
 layout(constant_id = 1) const uint VIEW_COUNT = 5;
 layout(constant_id = 2) const uint CLEAR_REST = 0;
-
+layout(constant_id = 3) const uint FAN = 1;  // triangles that one is drawn as
 
 struct Draw { uint index_count; uint instance_count; uint first_index; int vertex_offset; uint first_instance; };
 
@@ -53,7 +53,7 @@ void main() {
         } else if (run > 0) {
             uint begin = range.z + (c - run) * push.cluster_size;
             uint end = min(range.z + c * push.cluster_size, range.w);
-            draws[first_draw + written] = Draw(3 * (end - begin), 1, 3 * begin, 0, begin);
+            draws[first_draw + written] = Draw(3 * FAN * (end - begin), 1, 3 * FAN * begin, 0, begin);
             ++written;
             run = 0;
         }

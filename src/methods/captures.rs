@@ -2,7 +2,7 @@
 
 use super::Ground;
 use crate::math::capture::Projection;
-use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
+use crate::passes::capture::{Capture, CaptureDesc, Views, needs_fans, pays_to_cull};
 use crate::passes::capture_compute::{CaptureCompute, Looks};
 use crate::passes::find_clusters::FindClusters;
 use crate::passes::gathered::{Gathered, Kinds};
@@ -127,6 +127,7 @@ impl Captures {
             capacity,
             identity: true,
             culled: pays_to_cull(device, geometry.triangle_count),
+            fans: needs_fans(device, views),
         };
         let capture = Capture::new(device, ground.scene, geometry, ground.textures, desc)?;
         let capacity = capture.desc.capacity;

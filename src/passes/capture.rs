@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// Scenes up to this many triangles are drawn whole: culling would cost more than it saves.
 pub const WHOLE_SCENE: u32 = 256;
+/// Triangles that one is drawn as where the vertex stage cuts it to the view (`FAN` in `glsl/capture/fan.glsl`).
+const FAN: u32 = 5;
 
 /// The views of a frame (`glsl/shared/types.glsl`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -72,6 +74,21 @@ pub struct CaptureDesc {
     pub identity: bool,
     /// Whether to cull clusters per view; without it, all views are drawn whole by multi-view draws.
     pub culled: bool,
+    /// Whether the vertex stage cuts triangles to the view, for devices that set them up whole.
+    pub fans: bool,
+}
+
+impl CaptureDesc {
+    /// Triangles that one of the scene's is drawn as.
+    fn fan(&self) -> u32 {
+        if self.fans { FAN } else { 1 }
+    }
+}
+
+/// Whether the vertex stage has to cut triangles to these views on this device: only perspective ones see what goes on
+/// behind the eye.
+pub fn needs_fans(device: &Device, views: Views) -> bool {
+    !device.capabilities.clips_before_setup && matches!(views, Views::Hemicube | Views::Cube | Views::Plane)
 }
 
 /// Whether culling pays for a scene on this device.
@@ -128,10 +145,12 @@ impl Capture {
         let frames = Buffer::new(device, "capture frames", frame_bytes, Memory::Device)?;
         let frames_layout = SetLayout::of(device, &[Binding::Storage(&frames)])?;
         let frames_set = DescriptorSet::new(&frames_layout, &[Binding::Storage(&frames)])?;
-        let cull = culled.then(|| Cull::new(device, geometry, &frames, desc.views, desc.capacity)).transpose()?;
-        let has_masked = geometry.ranges.iter().any(|r| r.masked.is_some());
-        let corners =
-            || Buffer::with_data(device, "corner indices", &(0..geometry.triangle_count * 3).collect::<Vec<_>>());
+        let cull = culled
+            .then(|| Cull::new(device, geometry, &frames, (desc.views, desc.fan()), desc.capacity))
+            .transpose()?;
+        let counts_corners = desc.fans || geometry.ranges.iter().any(|r| r.masked.is_some());
+        let corners = || (0..geometry.triangle_count * 3 * desc.fan()).collect::<Vec<_>>();
+        let corners = || Buffer::with_data(device, "corner indices", &corners());
         let build =
             PipelineBuilder { device, scene, geometry, textures, desc: &desc, pass: &pass, frames: &frames_layout };
         let ranges =
@@ -147,7 +166,7 @@ impl Capture {
             pass,
             framebuffer,
             frames_set,
-            corner_indices: has_masked.then(corners).transpose()?,
+            corner_indices: counts_corners.then(corners).transpose()?,
             view_masks,
             _frames_layout: frames_layout,
         })
@@ -192,14 +211,14 @@ impl Capture {
     ) {
         let pipeline = &range.by_subpass[subpass];
         match (range.range.masked, textures.filter(|_| range.textured)) {
-            (None, _) => pipeline.bind(commands, &[&self.frames_set]),
-            (Some(_), None) => pipeline.bind(commands, &[&geometry.set, &self.frames_set]),
+            (None, _) if !self.desc.fans => pipeline.bind(commands, &[&self.frames_set]),
+            (None, _) | (Some(_), None) => pipeline.bind(commands, &[&geometry.set, &self.frames_set]),
             (Some(material), Some(textures)) => {
                 pipeline.bind(commands, &[&geometry.set, textures.set(material), &self.frames_set]);
             }
         }
         let (positions, indices) = geometry.capture_buffers();
-        let corners = self.corner_indices.as_ref().filter(|_| range.range.masked.is_some());
+        let corners = self.corner_indices.as_ref().filter(|_| range.range.masked.is_some() || self.desc.fans);
         pipeline.bind_mesh(commands, positions, corners.unwrap_or(indices));
     }
 
@@ -210,7 +229,11 @@ impl Capture {
         pipeline.layout.push(commands, &[frame, range.range.masked.unwrap_or(0)]);
         let DrawRange { triangles, clusters, .. } = &range.range;
         match &self.cull {
-            None => pipeline.draw_triangles(commands, triangles.start, triangles.len() as u32, triangles.start),
+            None => {
+                let fan = self.desc.fan();
+                let (first, count) = (triangles.start * fan, triangles.len() as u32 * fan);
+                pipeline.draw_triangles(commands, first, count, triangles.start);
+            }
             Some(cull) => {
                 let (draw, count) = cull.offsets(frame, subpass as u32, index, clusters.start);
                 pipeline.draw_indirect(commands, (&cull.draws, draw), (&cull.counts, count), clusters.len() as u32);
@@ -302,15 +325,20 @@ impl PipelineBuilder<'_> {
     }
 
     fn opaque(&self, subpasses: u32) -> Result<Vec<GraphicsPipeline>> {
+        let constants = |rest: &[u32]| Specialisation(rest.to_vec());
+        if self.desc.fans {
+            let layout = PipelineLayout::new(self.device, &[&self.geometry.set_layout, self.frames], 8)?;
+            let fragment = self.desc.identity.then_some(spirv!("capture", "identity_flat.frag"));
+            let vertex = spirv!("capture", "capture_fan.vert");
+            return self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::None, constants);
+        }
         let layout = PipelineLayout::new(self.device, &[self.frames], 8)?;
         let (vertex, fragment) = match (self.desc.identity, self.device.capabilities.primitive_id) {
             (false, _) => (spirv!("capture", "depth.vert"), None),
             (true, true) => (spirv!("capture", "capture.vert"), Some(spirv!("capture", "identity.frag"))),
             (true, false) => (spirv!("capture", "capture_flat.vert"), Some(spirv!("capture", "identity_flat.frag"))),
         };
-        self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::Positions, |rest| {
-            Specialisation(rest.to_vec())
-        })
+        self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::Positions, constants)
     }
 
     fn masked(&self, material: u32, subpasses: u32) -> Result<(Vec<GraphicsPipeline>, bool)> {
@@ -353,7 +381,7 @@ impl PipelineBuilder<'_> {
             name: self.desc.name,
             vertex,
             fragment,
-            constants: constants(&[self.desc.views.code(), self.has_horizon()]),
+            constants: constants(&[self.desc.views.code(), self.has_horizon(), u32::from(self.desc.fans)]),
             input,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             additive: false,
@@ -380,9 +408,9 @@ mod tests {
         }
     }
 
-    fn identities(device: &Arc<Device>, geometry: &Geometry, scene: &Scene, culled: bool) -> Vec<u32> {
-        let desc =
-            CaptureDesc { name: "capture", views: Views::Hemicube, size: 16, capacity: 4, identity: true, culled };
+    fn identities(device: &Arc<Device>, geometry: &Geometry, scene: &Scene, culled: bool, fans: bool) -> Vec<u32> {
+        let (name, views, identity) = ("capture", Views::Hemicube, true);
+        let desc = CaptureDesc { name, views, size: 16, capacity: 4, identity, culled, fans };
         let capture = Capture::new(device, scene, geometry, None, desc).unwrap();
         capture.frames.upload(&[frame(); 3]).unwrap();
         let image = capture.identity.as_ref().unwrap();
@@ -402,14 +430,35 @@ mod tests {
         let device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
         let scene = crate::scene::cornell();
         let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
-        let whole = identities(&device, &geometry, &scene, false);
-        let culled = identities(&device, &geometry, &scene, true);
+        let fans = needs_fans(&device, Views::Hemicube);
+        let whole = identities(&device, &geometry, &scene, false, fans);
+        let culled = identities(&device, &geometry, &scene, true, fans);
         for layer in 0..5 {
             let of = |all: &[u32]| all[layer * 1024..(layer + 1) * 1024].to_vec();
             let seen = |all: &[u32]| of(all).iter().filter(|i| **i != 0).count();
             assert!(layer == 3 || seen(&culled) > 3 * 80, "face {layer} sees the box");
         }
         assert!(whole == culled);
+        assert_eq!(device.instance.validation_messages(), 0);
+    }
+    /// Walls and floor go on behind the eye: every view cuts some. A corner that is made where a side is cut is rounded, so
+    /// that a texel whose centre is as near to an edge may fall to its other side.
+    #[test]
+    fn triangles_cut_to_the_view_look_the_same() {
+        let device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
+        let mut scene = crate::scene::cornell();
+        for masked in [false, true] {
+            for material in scene.materials.iter_mut().filter(|_| masked) {
+                material.alpha_cutoff = Some(0.5);
+            }
+            let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
+            for culled in [false, true] {
+                let [whole, fans] = [false, true].map(|fans| identities(&device, &geometry, &scene, culled, fans));
+                let differ = whole.iter().zip(&fans).filter(|(a, b)| a != b).count();
+                assert!(whole.iter().filter(|i| **i != 0).count() > 1000);
+                assert!(differ <= 2, "{differ} texels differ; masked: {masked}, culled: {culled}");
+            }
+        }
         assert_eq!(device.instance.validation_messages(), 0);
     }
 }

@@ -42,12 +42,12 @@ impl Cull {
         u64::from(views.count()) * u64::from(geometry.cluster_count) * DRAW_BYTES
     }
 
-    /// Culls for up to `capacity` of `frames`.
+    /// Culls for up to `capacity` of `frames`; each triangle that is seen is drawn as `fan` of them.
     pub fn new(
         device: &Arc<Device>,
         geometry: &Geometry,
         frames: &Buffer,
-        views: Views,
+        (views, fan): (Views, u32),
         capacity: u32,
     ) -> Result<Self> {
         let ranges: Vec<[u32; 4]> = geometry
@@ -71,7 +71,7 @@ impl Cull {
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let clear_rest = u32::from(!device.capabilities.draw_indirect_count);
-        let constants = Specialisation(vec![views.code(), views.count(), clear_rest]);
+        let constants = Specialisation(vec![views.code(), views.count(), clear_rest, fan]);
         Ok(Self {
             pipeline: ComputePipeline::new("cull", &pipeline_layout, spirv!("cull", "cull.comp"), &constants)?,
             set,

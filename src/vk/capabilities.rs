@@ -24,6 +24,9 @@ pub struct Capabilities {
     /// One draw may go to several views. llvmpipe (seen in Mesa 22.3.6) puts triangles that it clips into the wrong view
     /// then: there, every view is a subpass of its own, with a one-bit view mask.
     pub multiview_draws: bool,
+    /// Triangles are clipped before they are set up. SwiftShader takes winding and depth from corners before they are
+    /// clipped, rounded to 1/16 of a texel, and loses what goes on far behind the eye: there, the vertex stage clips.
+    pub clips_before_setup: bool,
     /// Valid bits of a timestamp on the queue; 0 means no timestamps.
     pub timestamp_bits: u32,
     /// Nanoseconds a timestamp tick.
@@ -63,6 +66,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
         name: "multi-view draws (not llvmpipe)",
         cost: "without them small scenes are drawn once a view",
         has: |c| c.multiview_draws,
+    },
+    Requirement {
+        name: "clipping before set-up (not SwiftShader)",
+        cost: "without it captures cut triangles to the view themselves and draw each as five",
+        has: |c| c.clips_before_setup,
     },
     Requirement { name: "timestamps", cost: "without them GPU times are not reported", has: |c| c.timestamp_bits > 0 },
 ];
@@ -111,6 +119,7 @@ impl Capabilities {
             multi_draw_indirect: features.multi_draw_indirect == vk::TRUE,
             primitive_id: features.geometry_shader == vk::TRUE && device.driver_id != vk::DriverId::MESA_LLVMPIPE,
             multiview_draws: device.driver_id != vk::DriverId::MESA_LLVMPIPE,
+            clips_before_setup: device.driver_id != vk::DriverId::GOOGLE_SWIFTSHADER,
             timestamp_bits: family.timestamp_valid_bits,
             timestamp_period: f64::from(limits.timestamp_period),
             queue_family,
