@@ -4,17 +4,19 @@
 //! is culled first, per frame and per view, and each view is a subpass of its own (a one-bit view mask) with its own
 //! indirect draws.
 
+mod pipelines;
+
 use super::cull::Cull;
 use super::geometry::{DrawRange, Geometry};
-use super::material::{Textures, Variant};
+use super::material::Textures;
 use crate::scene::Scene;
 use crate::vk::gpu_types::Frame;
 use crate::vk::{
-    Attachment, Binding, Buffer, Commands, DescriptorSet, Device, Error, Framebuffer, GraphicsDesc, GraphicsPipeline,
-    Image, ImageDesc, Load, Memory, PipelineLayout, RenderPass, RenderPassDesc, Result, SetLayout, Specialisation,
-    VertexInput, spirv,
+    Attachment, Binding, Buffer, Commands, DescriptorSet, Device, Error, Framebuffer, GraphicsPipeline, Image,
+    ImageDesc, Load, Memory, RenderPass, RenderPassDesc, Result, SetLayout,
 };
 use ash::vk;
+use pipelines::PipelineBuilder;
 use std::sync::Arc;
 
 /// Scenes up to this many triangles are drawn whole: culling would cost more than it saves.
@@ -297,97 +299,6 @@ fn render_pass(device: &Arc<Device>, desc: &CaptureDesc, view_masks: &[u32]) -> 
         .chain([attachment(vk::Format::D32_SFLOAT)])
         .collect();
     RenderPass::new(device, &RenderPassDesc { name: desc.name, attachments: &attachments, view_masks })
-}
-
-struct PipelineBuilder<'a> {
-    device: &'a Arc<Device>,
-    scene: &'a Scene,
-    geometry: &'a Geometry,
-    textures: Option<&'a Textures>,
-    desc: &'a CaptureDesc,
-    pass: &'a RenderPass,
-    frames: &'a SetLayout,
-}
-
-impl PipelineBuilder<'_> {
-    fn range(&self, range: &DrawRange, subpasses: u32) -> Result<RangePipelines> {
-        let (by_subpass, textured) = match range.masked {
-            None => (self.opaque(subpasses)?, false),
-            Some(material) => self.masked(material, subpasses)?,
-        };
-        Ok(RangePipelines { range: range.clone(), by_subpass, textured })
-    }
-
-    /// Only views that reach below a horizon pay for its clip plane; what a plane sees below it is left out when
-    /// integrated.
-    fn has_horizon(&self) -> u32 {
-        u32::from(matches!(self.desc.views, Views::Hemicube | Views::Hemisphere))
-    }
-
-    fn opaque(&self, subpasses: u32) -> Result<Vec<GraphicsPipeline>> {
-        let constants = |rest: &[u32]| Specialisation(rest.to_vec());
-        if self.desc.fans {
-            let layout = PipelineLayout::new(self.device, &[&self.geometry.set_layout, self.frames], 8)?;
-            let fragment = self.desc.identity.then_some(spirv!("capture", "identity_flat.frag"));
-            let vertex = spirv!("capture", "capture_fan.vert");
-            return self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::None, constants);
-        }
-        let layout = PipelineLayout::new(self.device, &[self.frames], 8)?;
-        let (vertex, fragment) = match (self.desc.identity, self.device.capabilities.primitive_id) {
-            (false, _) => (spirv!("capture", "depth.vert"), None),
-            (true, true) => (spirv!("capture", "capture.vert"), Some(spirv!("capture", "identity.frag"))),
-            (true, false) => (spirv!("capture", "capture_flat.vert"), Some(spirv!("capture", "identity_flat.frag"))),
-        };
-        self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::Positions, constants)
-    }
-
-    fn masked(&self, material: u32, subpasses: u32) -> Result<(Vec<GraphicsPipeline>, bool)> {
-        let variant = Variant::of(&self.scene.materials[material as usize]);
-        let textures = self.textures.filter(|_| variant.is_textured());
-        let sets = match textures {
-            Some(t) => vec![&self.geometry.set_layout, &t.layout, self.frames],
-            None => vec![&self.geometry.set_layout, self.frames],
-        };
-        let (vertex, fragment) = match (self.desc.identity, textures.is_some()) {
-            (true, true) => {
-                (spirv!("capture", "masked_identity_textured.vert"), spirv!("capture", "masked_identity_textured.frag"))
-            }
-            (true, false) => {
-                (spirv!("capture", "masked_identity_plain.vert"), spirv!("capture", "masked_identity_plain.frag"))
-            }
-            (false, true) => {
-                (spirv!("capture", "masked_depth_textured.vert"), spirv!("capture", "masked_depth_textured.frag"))
-            }
-            (false, false) => {
-                (spirv!("capture", "masked_depth_plain.vert"), spirv!("capture", "masked_depth_plain.frag"))
-            }
-        };
-        let layout = PipelineLayout::new(self.device, &sets, 8)?;
-        let constants = |rest: &[u32]| variant.constants(self.geometry.streams, rest);
-        let pipelines = self.pipelines(&layout, subpasses, vertex, Some(fragment), VertexInput::None, constants)?;
-        Ok((pipelines, textures.is_some()))
-    }
-
-    fn pipelines(
-        &self,
-        layout: &Arc<PipelineLayout>,
-        subpasses: u32,
-        vertex: &[u8],
-        fragment: Option<&[u8]>,
-        input: VertexInput,
-        constants: impl Fn(&[u32]) -> Specialisation,
-    ) -> Result<Vec<GraphicsPipeline>> {
-        let desc = GraphicsDesc {
-            name: self.desc.name,
-            vertex,
-            fragment,
-            constants: constants(&[self.desc.views.code(), self.has_horizon(), u32::from(self.desc.fans)]),
-            input,
-            topology: vk::PrimitiveTopology::TRIANGLE_LIST,
-            additive: false,
-        };
-        (0..subpasses).map(|subpass| GraphicsPipeline::new(layout, self.pass, subpass, &desc)).collect()
-    }
 }
 
 #[cfg(test)]
