@@ -6,12 +6,14 @@
 #   DRIVERS="swiftshader" tools/drivers.sh  some of: system backports swiftshader
 #   COMMAND="cargo test --release" tools/drivers.sh   runs this on each driver instead
 #
-# Packages are unpacked below FOLDER; nothing is installed. Debian 12 on x86-64.
+# Packages are unpacked below FOLDER; nothing is installed. Debian 12 on x86-64. Every row is in FOLDER/results/rows.md, the
+# worst of each kind is printed; exits with 1 if a row is out of bounds or a command fails.
 set -eu
 cd "$(dirname "$0")/.."
 mkdir -p "${1:-target/drivers}"
 folder=$(cd "${1:-target/drivers}" && pwd)
 drivers=${DRIVERS:-system backports swiftshader}
+set -- # from here on: the tables
 
 # repository RELEASE: where this machine gets that release of Debian from.
 repository() {
@@ -56,6 +58,7 @@ icd() {
 }
 
 cargo build --release --locked
+failed=0
 for driver in $drivers; do
     case $driver in
         backports) unpack backports "$(repository bookworm) bookworm-backports" mesa-vulkan-drivers libdrm2 libdrm-amdgpu1 ;;
@@ -66,10 +69,15 @@ for driver in $drivers; do
     [ "$driver" != backports ] || export LD_LIBRARY_PATH="$folder/backports/usr/lib/x86_64-linux-gnu"
     echo "== $driver"
     if [ -n "${COMMAND:-}" ]; then
-        $COMMAND || echo "== $driver: failed"
+        $COMMAND || { failed=1 && echo "== $driver: failed"; }
     else
-        target/release/hemicube convergence --stability -q -o "$folder/results/$driver" || echo "== $driver: rows out of bounds"
+        set -- "$@" "$folder/results/$driver/stability.csv"
+        target/release/hemicube convergence --stability -q -o "$folder/results/$driver" || { failed=1 && echo "== $driver: rows out of bounds"; }
     fi
     unset LD_LIBRARY_PATH
 done
-[ -n "${COMMAND:-}" ] || python3 tools/side_by_side.py "$folder"/results/*/stability.csv
+if [ -z "${COMMAND:-}" ]; then
+    python3 tools/side_by_side.py "$@" > "$folder/results/rows.md"
+    python3 tools/side_by_side.py --short "$@"
+fi
+exit $failed
