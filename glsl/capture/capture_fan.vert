@@ -6,7 +6,7 @@
 #include "inc/views.glsl"
 #include "inc/scene.glsl"
 #include "inc/triangles.glsl"
-#include "capture/fan.glsl"
+#include "inc/fan.glsl"
 
 layout(constant_id = 0) const uint VIEWS = 0;
 layout(constant_id = 1) const uint HAS_HORIZON = 1;
@@ -22,7 +22,9 @@ void main() {
     triangle = gl_VertexIndex / (3 * FAN);
     uvec3 corners = corners_of(triangle);
     mat3 p = mat3(position_of(corners.x), position_of(corners.y), position_of(corners.z));
-    vec3 weights = fan_corner(VIEWS, gl_ViewIndex, frame, p, gl_VertexIndex % (3 * FAN));
-    gl_Position = fan_position(VIEWS, gl_ViewIndex, frame, p, weights);
+    vec4 a = project(VIEWS, gl_ViewIndex, frame, p[0]), b = project(VIEWS, gl_ViewIndex, frame, p[1]),
+         c = project(VIEWS, gl_ViewIndex, frame, p[2]);
+    vec3 weights = fan_corner(a, b, c, gl_VertexIndex % (3 * FAN));
+    gl_Position = fan_position(a, b, c, weights);
     gl_ClipDistance[0] = HAS_HORIZON != 0 ? above_horizon(VIEWS, frame, p * weights) : 1.0;
 }

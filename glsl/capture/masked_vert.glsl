@@ -8,7 +8,7 @@
 #include "inc/triangles.glsl"
 #include "inc/material_constants.glsl"
 #include "inc/vertex_streams.glsl"
-#include "capture/fan.glsl"
+#include "inc/fan.glsl"
 layout(constant_id = 8) const uint VIEWS = 0;
 layout(constant_id = 9) const uint HAS_HORIZON = 1;
 layout(constant_id = 10) const uint AS_FANS = 0;
@@ -42,13 +42,15 @@ void main() {
     vec3 position;
     if (AS_FANS != 0) {
         uint number = gl_VertexIndex / (3 * FAN);
-        uvec3 c = corners_of(number);
-        mat3 p = mat3(position_of(c.x), position_of(c.y), position_of(c.z));
-        vec3 weights = fan_corner(VIEWS, gl_ViewIndex, frame, p, gl_VertexIndex % (3 * FAN));
+        uvec3 of = corners_of(number);
+        mat3 p = mat3(position_of(of.x), position_of(of.y), position_of(of.z));
+        vec4 a = project(VIEWS, gl_ViewIndex, frame, p[0]), b = project(VIEWS, gl_ViewIndex, frame, p[1]),
+             c = project(VIEWS, gl_ViewIndex, frame, p[2]);
+        vec3 weights = fan_corner(a, b, c, gl_VertexIndex % (3 * FAN));
         position = p * weights;
-        gl_Position = fan_position(VIEWS, gl_ViewIndex, frame, p, weights);
-        vec3 alphas = vec3(color_of(c.x).a, color_of(c.y).a, color_of(c.z).a);
-        write_attributes(number, mat3x4(uvs_of(c.x), uvs_of(c.y), uvs_of(c.z)) * weights, dot(alphas, weights));
+        gl_Position = fan_position(a, b, c, weights);
+        vec3 alphas = vec3(color_of(of.x).a, color_of(of.y).a, color_of(of.z).a);
+        write_attributes(number, mat3x4(uvs_of(of.x), uvs_of(of.y), uvs_of(of.z)) * weights, dot(alphas, weights));
     } else {
         uint vertex = indices[gl_VertexIndex];
         position = position_of(vertex);

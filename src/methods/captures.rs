@@ -2,7 +2,7 @@
 
 use super::Ground;
 use crate::math::capture::Projection;
-use crate::passes::capture::{Capture, CaptureDesc, Views, needs_fans, pays_to_cull};
+use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::{CaptureCompute, Looks};
 use crate::passes::find_clusters::FindClusters;
 use crate::passes::gathered::{Gathered, Kinds};
@@ -69,7 +69,7 @@ impl CaptureMode {
             Self::Hemicube => Some("hemicubes by render passes are asked for".into()),
             Self::Plane { .. } => Some("planes are captured by render passes".into()),
             Self::Hemisphere => Some("hemispheres are captured by render passes".into()),
-            _ => CaptureCompute::misfit(device, scene, size),
+            _ => CaptureCompute::misfit(device, scene, self.projection(), size),
         }
     }
 }
@@ -127,7 +127,6 @@ impl Captures {
             capacity,
             identity: true,
             culled: pays_to_cull(device, geometry.triangle_count),
-            fans: needs_fans(device, views),
         };
         let capture = Capture::new(device, ground.scene, geometry, ground.textures, desc)?;
         let capacity = capture.desc.capacity;

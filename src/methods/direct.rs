@@ -3,7 +3,7 @@
 use super::Ground;
 use super::emitter_samples::Face;
 pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooManyLights, light_sets};
-use crate::passes::capture::{Capture, CaptureDesc, needs_fans, pays_to_cull};
+use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;
 use crate::passes::shadow::Shadow;
@@ -53,7 +53,6 @@ impl DirectLight {
             capacity,
             identity: true,
             culled: pays_to_cull(device, ground.geometry.triangle_count),
-            fans: needs_fans(device, set.views),
         };
         let Ground { scene, geometry, textures } = *ground;
         let shadow = Capture::new(device, scene, geometry, textures, desc)?;

@@ -5,7 +5,7 @@
 
 use super::Ground;
 use crate::math::capture::Projection;
-use crate::passes::capture::{Capture, CaptureDesc, Views, needs_fans};
+use crate::passes::capture::{Capture, CaptureDesc, Views};
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::geometry::Geometry;
@@ -101,15 +101,8 @@ fn rate(work: f64, seconds: Option<f64>) -> f64 {
 /// Triangle views and integrated texels in a second.
 fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) -> Result<(f64, f64)> {
     let views = Views::Hemicube;
-    let desc = CaptureDesc {
-        name: "capture",
-        views,
-        size: CAPTURE_SIZE,
-        capacity: CAPTURES,
-        identity: true,
-        culled: false,
-        fans: needs_fans(device, views),
-    };
+    let desc =
+        CaptureDesc { name: "capture", views, size: CAPTURE_SIZE, capacity: CAPTURES, identity: true, culled: false };
     let capture = Capture::new(device, ground.scene, ground.geometry, None, desc)?;
     let count = capture.desc.capacity;
     capture.frames.upload(&vec![upwards(); count as usize])?;

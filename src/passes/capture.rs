@@ -7,6 +7,7 @@
 mod pipelines;
 
 use super::cull::Cull;
+use super::fan_on;
 use super::geometry::{DrawRange, Geometry};
 use super::material::Textures;
 use crate::scene::Scene;
@@ -21,8 +22,6 @@ use std::sync::Arc;
 
 /// Scenes up to this many triangles are drawn whole: culling would cost more than it saves.
 pub const WHOLE_SCENE: u32 = 256;
-/// Triangles that one is drawn as where the vertex stage cuts it to the view (`FAN` in `glsl/capture/fan.glsl`).
-const FAN: u32 = 5;
 
 /// The views of a frame (`glsl/shared/types.glsl`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,21 +75,11 @@ pub struct CaptureDesc {
     pub identity: bool,
     /// Whether to cull clusters per view; without it, all views are drawn whole by multi-view draws.
     pub culled: bool,
-    /// Whether the vertex stage cuts triangles to the view, for devices that set them up whole.
-    pub fans: bool,
 }
 
-impl CaptureDesc {
-    /// Triangles that one of the scene's is drawn as.
-    fn fan(&self) -> u32 {
-        if self.fans { FAN } else { 1 }
-    }
-}
-
-/// Whether the vertex stage has to cut triangles to these views on this device: only perspective ones see what goes on
-/// behind the eye.
-pub fn needs_fans(device: &Device, views: Views) -> bool {
-    !device.capabilities.clips_before_setup && matches!(views, Views::Hemicube | Views::Cube | Views::Plane)
+/// Triangles that one is drawn as: only perspective views see what goes on behind the eye.
+fn fan(device: &Device, views: Views) -> u32 {
+    if matches!(views, Views::Hemicube | Views::Cube | Views::Plane) { fan_on(device) } else { 1 }
 }
 
 /// Whether culling pays for a scene on this device.
@@ -118,6 +107,8 @@ pub struct Capture {
     /// Frames to look from.
     pub frames: Buffer,
     cull: Option<Cull>,
+    /// Triangles that one of the scene's is drawn as.
+    fan: u32,
     ranges: Vec<RangePipelines>,
     pass: RenderPass,
     framebuffer: Framebuffer,
@@ -136,7 +127,7 @@ impl Capture {
         textures: Option<&Textures>,
         desc: CaptureDesc,
     ) -> Result<Self> {
-        let culled = desc.culled;
+        let (culled, fan) = (desc.culled, fan(device, desc.views));
         let (desc, columns, size) = layout_tiles(device, geometry, desc)?;
         let (identity, depth) = targets(device, &desc, size)?;
         let view_masks = view_masks(device, &desc);
@@ -147,14 +138,14 @@ impl Capture {
         let frames = Buffer::new(device, "capture frames", frame_bytes, Memory::Device)?;
         let frames_layout = SetLayout::of(device, &[Binding::Storage(&frames)])?;
         let frames_set = DescriptorSet::new(&frames_layout, &[Binding::Storage(&frames)])?;
-        let cull = culled
-            .then(|| Cull::new(device, geometry, &frames, (desc.views, desc.fan()), desc.capacity))
-            .transpose()?;
-        let counts_corners = desc.fans || geometry.ranges.iter().any(|r| r.masked.is_some());
-        let corners = || (0..geometry.triangle_count * 3 * desc.fan()).collect::<Vec<_>>();
+        let cull =
+            culled.then(|| Cull::new(device, geometry, &frames, (desc.views, fan), desc.capacity)).transpose()?;
+        let counts_corners = fan > 1 || geometry.ranges.iter().any(|r| r.masked.is_some());
+        let corners = || (0..geometry.triangle_count * 3 * fan).collect::<Vec<_>>();
         let corners = || Buffer::with_data(device, "corner indices", &corners());
+        let (pass_, frames_) = (&pass, &frames_layout);
         let build =
-            PipelineBuilder { device, scene, geometry, textures, desc: &desc, pass: &pass, frames: &frames_layout };
+            PipelineBuilder { device, scene, geometry, textures, desc: &desc, fan, pass: pass_, frames: frames_ };
         let ranges =
             geometry.ranges.iter().map(|range| build.range(range, view_masks.len() as u32)).collect::<Result<_>>()?;
         Ok(Self {
@@ -164,6 +155,7 @@ impl Capture {
             depth,
             frames,
             cull,
+            fan,
             ranges,
             pass,
             framebuffer,
@@ -213,14 +205,14 @@ impl Capture {
     ) {
         let pipeline = &range.by_subpass[subpass];
         match (range.range.masked, textures.filter(|_| range.textured)) {
-            (None, _) if !self.desc.fans => pipeline.bind(commands, &[&self.frames_set]),
+            (None, _) if self.fan == 1 => pipeline.bind(commands, &[&self.frames_set]),
             (None, _) | (Some(_), None) => pipeline.bind(commands, &[&geometry.set, &self.frames_set]),
             (Some(material), Some(textures)) => {
                 pipeline.bind(commands, &[&geometry.set, textures.set(material), &self.frames_set]);
             }
         }
         let (positions, indices) = geometry.capture_buffers();
-        let corners = self.corner_indices.as_ref().filter(|_| range.range.masked.is_some() || self.desc.fans);
+        let corners = self.corner_indices.as_ref().filter(|_| range.range.masked.is_some() || self.fan > 1);
         pipeline.bind_mesh(commands, positions, corners.unwrap_or(indices));
     }
 
@@ -232,8 +224,7 @@ impl Capture {
         let DrawRange { triangles, clusters, .. } = &range.range;
         match &self.cull {
             None => {
-                let fan = self.desc.fan();
-                let (first, count) = (triangles.start * fan, triangles.len() as u32 * fan);
+                let (first, count) = (triangles.start * self.fan, triangles.len() as u32 * self.fan);
                 pipeline.draw_triangles(commands, first, count, triangles.start);
             }
             Some(cull) => {
@@ -319,9 +310,9 @@ mod tests {
         }
     }
 
-    fn identities(device: &Arc<Device>, geometry: &Geometry, scene: &Scene, culled: bool, fans: bool) -> Vec<u32> {
-        let (name, views, identity) = ("capture", Views::Hemicube, true);
-        let desc = CaptureDesc { name, views, size: 16, capacity: 4, identity, culled, fans };
+    fn identities(device: &Arc<Device>, geometry: &Geometry, scene: &Scene, culled: bool) -> Vec<u32> {
+        let desc =
+            CaptureDesc { name: "capture", views: Views::Hemicube, size: 16, capacity: 4, identity: true, culled };
         let capture = Capture::new(device, scene, geometry, None, desc).unwrap();
         capture.frames.upload(&[frame(); 3]).unwrap();
         let image = capture.identity.as_ref().unwrap();
@@ -341,9 +332,8 @@ mod tests {
         let device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
         let scene = crate::scene::cornell();
         let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
-        let fans = needs_fans(&device, Views::Hemicube);
-        let whole = identities(&device, &geometry, &scene, false, fans);
-        let culled = identities(&device, &geometry, &scene, true, fans);
+        let whole = identities(&device, &geometry, &scene, false);
+        let culled = identities(&device, &geometry, &scene, true);
         for layer in 0..5 {
             let of = |all: &[u32]| all[layer * 1024..(layer + 1) * 1024].to_vec();
             let seen = |all: &[u32]| of(all).iter().filter(|i| **i != 0).count();
@@ -352,19 +342,21 @@ mod tests {
         assert!(whole == culled);
         assert_eq!(device.instance.validation_messages(), 0);
     }
+
     /// Walls and floor go on behind the eye: every view cuts some. A corner that is made where a side is cut is rounded, so
     /// that a texel whose centre is as near to an edge may fall to its other side.
     #[test]
     fn triangles_cut_to_the_view_look_the_same() {
-        let device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
+        let mut device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
         let mut scene = crate::scene::cornell();
         for masked in [false, true] {
-            for material in scene.materials.iter_mut().filter(|_| masked) {
-                material.alpha_cutoff = Some(0.5);
-            }
-            let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
+            scene.materials.iter_mut().for_each(|material| material.alpha_cutoff = masked.then_some(0.5));
             for culled in [false, true] {
-                let [whole, fans] = [false, true].map(|fans| identities(&device, &geometry, &scene, culled, fans));
+                let [whole, fans] = [true, false].map(|clips| {
+                    Arc::get_mut(&mut device).unwrap().capabilities.clips_before_setup = clips;
+                    let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
+                    identities(&device, &geometry, &scene, culled)
+                });
                 let differ = whole.iter().zip(&fans).filter(|(a, b)| a != b).count();
                 assert!(whole.iter().filter(|i| **i != 0).count() > 1000);
                 assert!(differ <= 2, "{differ} texels differ; masked: {masked}, culled: {culled}");

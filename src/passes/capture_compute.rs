@@ -72,15 +72,15 @@ pub struct CaptureCompute {
 }
 
 impl CaptureCompute {
-    /// What keeps captures of `size` texels a side in `scene` from fitting, if something does: a face must fit into
-    /// shared memory, the corners into a buffer, the alpha masks into their budget.
-    pub fn misfit(device: &Device, scene: &Scene, size: u32) -> Option<String> {
+    /// What keeps captures by `projection` with `size` texels a side in `scene` from fitting, if something does: a face must
+    /// fit into shared memory, tables and corners into buffers, the alpha masks into their budget.
+    pub fn misfit(device: &Device, scene: &Scene, projection: Projection, size: u32) -> Option<String> {
         let triangles = scene.triangles.len();
         let most = device.capabilities.limits.max_compute_shared_memory_size;
         if shared_bytes(size) > most {
             return Some(format!("a face of {size} × {size} texels does not fit into {most} bytes of shared memory"));
         }
-        if u64::from(tables(size)) > Gathered::most_viewed(device, Kinds { sky: false, planes: false }) {
+        if u64::from(tables(projection, size)) > Gathered::most_viewed(device, Kinds { sky: false, planes: false }) {
             return Some(format!("tables of {size} × {size} texels do not fit into a texel buffer of the device"));
         }
         let too_many = !ClusterTree::holds(device, triangles);
@@ -147,9 +147,10 @@ impl CaptureCompute {
     }
 }
 
-/// Values of the larger table that [`super::integrate`] fetches for a hemicube: three for each of two edges a texel.
-fn tables(size: u32) -> u32 {
-    3 * 2 * 3 * size * size
+/// Values of the larger table that [`super::integrate`] fetches, at most: three for each of two edges a texel.
+fn tables(projection: Projection, size: u32) -> u32 {
+    let squares = if projection == Projection::Hemicube { 3 } else { 1 };
+    3 * 2 * squares * size * size
 }
 
 /// Shared memory of a workgroup: keys, and the list of clusters with the counts that order it.

@@ -1,5 +1,6 @@
 //! The G-buffer: one MRT pass over the visible triangles at pixel centres.
 
+use super::fan_on;
 use super::geometry::Geometry;
 use super::material::{Textures, Variant};
 use crate::scene::Scene;
@@ -45,6 +46,8 @@ pub struct GBuffer {
     pipelines: HashMap<Variant, GraphicsPipeline>,
     plain: Arc<PipelineLayout>,
     textured: Option<Arc<PipelineLayout>>,
+    /// Triangles that one of the scene's is drawn as.
+    fan: u32,
 }
 
 impl GBuffer {
@@ -78,7 +81,8 @@ impl GBuffer {
         let plain = PipelineLayout::new(device, &[&geometry.set_layout], push)?;
         let textured =
             textures.map(|t| PipelineLayout::new(device, &[&geometry.set_layout, &t.layout], push)).transpose()?;
-        let mut this = Self { targets, framebuffer, pass, pipelines: HashMap::new(), plain, textured };
+        let mut this =
+            Self { targets, framebuffer, pass, pipelines: HashMap::new(), plain, textured, fan: fan_on(device) };
         for part in &geometry.parts {
             let variant = Variant::of(&scene.materials[part.material as usize]);
             if !this.pipelines.contains_key(&variant) {
@@ -104,7 +108,7 @@ impl GBuffer {
             name: "gbuffer",
             vertex,
             fragment: Some(fragment),
-            constants: variant.constants(geometry.streams, &[]),
+            constants: variant.constants(geometry.streams, &[u32::from(self.fan > 1)]),
             input: VertexInput::None,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             additive: false,
@@ -137,7 +141,8 @@ impl GBuffer {
                 pad: [0; 3],
             };
             pipeline.layout.push(commands, &push);
-            pipeline.draw_from(commands, part.first_triangle * 3, part.triangle_count * 3);
+            let corners = 3 * self.fan;
+            pipeline.draw_from(commands, part.first_triangle * corners, part.triangle_count * corners);
         }
         self.pass.end(commands);
     }

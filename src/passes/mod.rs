@@ -22,6 +22,8 @@ pub mod shadow;
 pub mod splat;
 pub mod surface_light;
 
+use crate::vk::Device;
+
 /// Workgroups that every device takes, at least, along one dimension of a dispatch.
 const MOST_GROUPS: u32 = 65535;
 
@@ -29,4 +31,10 @@ const MOST_GROUPS: u32 = 65535;
 pub(crate) fn groups(count: u32, size: u32) -> [u32; 3] {
     let groups = count.div_ceil(size).max(1);
     [groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1]
+}
+
+/// Triangles that one is drawn as in perspective on `device`: more where the vertex stage has to cut it to the view
+/// (`FAN` in `glsl/inc/fan.glsl`).
+fn fan_on(device: &Device) -> u32 {
+    if device.capabilities.clips_before_setup { 1 } else { 5 }
 }

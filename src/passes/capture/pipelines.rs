@@ -18,6 +18,7 @@ pub(super) struct PipelineBuilder<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) textures: Option<&'a Textures>,
     pub(super) desc: &'a CaptureDesc,
+    pub(super) fan: u32,
     pub(super) pass: &'a RenderPass,
     pub(super) frames: &'a SetLayout,
 }
@@ -40,7 +41,7 @@ impl PipelineBuilder<'_> {
 
     fn opaque(&self, subpasses: u32) -> Result<Vec<GraphicsPipeline>> {
         let constants = |rest: &[u32]| Specialisation(rest.to_vec());
-        if self.desc.fans {
+        if self.fan > 1 {
             let layout = PipelineLayout::new(self.device, &[&self.geometry.set_layout, self.frames], 8)?;
             let fragment = self.desc.identity.then_some(spirv!("capture", "identity_flat.frag"));
             let vertex = spirv!("capture", "capture_fan.vert");
@@ -95,7 +96,7 @@ impl PipelineBuilder<'_> {
             name: self.desc.name,
             vertex,
             fragment,
-            constants: constants(&[self.desc.views.code(), self.has_horizon(), u32::from(self.desc.fans)]),
+            constants: constants(&[self.desc.views.code(), self.has_horizon(), u32::from(self.fan > 1)]),
             input,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             additive: false,

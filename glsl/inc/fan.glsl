@@ -5,10 +5,9 @@
 // Three corners, one more for each side of the pyramid; what three of them leave of a fan.
 const uint OUTLINE = 7, FAN = OUTLINE - 2;
 
-// The fan's corner `corner` of the triangle with the corners `p`, as their weights; zero if it has none (Sutherland &
-// Hodgman 1974, a side of the pyramid at a time). Wants `project`.
-vec3 fan_corner(uint views, uint view, Frame frame, mat3 p, uint corner) {
-    vec4 a = project(views, view, frame, p[0]), b = project(views, view, frame, p[1]), c = project(views, view, frame, p[2]);
+// The fan's corner `corner` of the triangle a, b, c in clip space, as the weights of these; zero if it has none (Sutherland
+// & Hodgman 1974, a side of the pyramid at a time).
+vec3 fan_corner(vec4 a, vec4 b, vec4 c, uint corner) {
     vec3 outline[OUTLINE] = vec3[](vec3(1, 0, 0), vec3(0, 1, 0), vec3(0, 0, 1), vec3(0), vec3(0), vec3(0), vec3(0));
     uint count = 3;
     for (uint side = 0; side < 4; ++side) {
@@ -33,8 +32,7 @@ vec3 fan_corner(uint views, uint view, Frame frame, mat3 p, uint corner) {
 }
 
 // Its clip-space position; that of a corner that there is not is the same for all three of a triangle.
-vec4 fan_position(uint views, uint view, Frame frame, mat3 p, vec3 weights) {
+vec4 fan_position(vec4 a, vec4 b, vec4 c, vec3 weights) {
     if (weights == vec3(0.0)) return vec4(0.0, 0.0, 0.0, 1.0);
-    return weights.x * project(views, view, frame, p[0]) + weights.y * project(views, view, frame, p[1]) +
-           weights.z * project(views, view, frame, p[2]);
+    return weights.x * a + weights.y * b + weights.z * c;
 }
