@@ -1,16 +1,18 @@
-// Pixels of a lattice that no record covers yet, in scan order. Three dispatches share this shader: count by workgroup,
+// Pixels of a lattice that no record covers yet, or whose records disagree, in scan order. Three dispatches share this shader: count by workgroup,
 // sum the counts (one workgroup), write the pixels. Prefix sums instead of atomics: the same order every time.
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_GOOGLE_include_directive : require
 layout(local_size_x = 256) in;
 layout(constant_id = 0) const uint PHASE = 0;  // 0 count, 1 sum, 2 write
+layout(constant_id = 1) const uint HAS_CONTRAST = 0;
 
 layout(set = 0, binding = 0) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 1) uniform texture2D accumulated;
 layout(set = 0, binding = 2, std430) buffer Groups { uint groups[]; };
 layout(set = 0, binding = 3, std430) buffer Found { uint found_count; uint pixels[]; };
-layout(push_constant) uniform Push { uvec2 size; uvec2 offset; uvec2 lattice; uint stride; float covered; } push;
+layout(set = 0, binding = 4) uniform texture2D tally;  // of the splats
+layout(push_constant) uniform Push { uvec2 size; uvec2 offset; uvec2 lattice; uint stride; float covered; float contrast; } push;
 
 shared uint sums[256];
 
@@ -42,6 +44,13 @@ void sum_groups() {
     if (gl_LocalInvocationID.x == 0) found_count = base;
 }
 
+// Whether what the records say at a pixel differs by more than the contrast: σ > c·L, L the mean of their luminances.
+bool disputed(ivec2 pixel, float weight) {
+    vec2 moments = texelFetch(tally, pixel, 0).yz / weight;
+    float limit = push.contrast * moments.x;
+    return moments.y - moments.x * moments.x > limit * limit;
+}
+
 void main() {
     if (PHASE == 1) {
         sum_groups();
@@ -50,8 +59,11 @@ void main() {
     uint at = gl_GlobalInvocationID.x;
     uvec2 pixel = push.offset + push.stride * uvec2(at % push.lattice.x, at / push.lattice.x);
     bool inside = at < push.lattice.x * push.lattice.y && all(lessThan(pixel, push.size));
-    bool open = inside && texelFetch(gbuffer_position, ivec2(pixel), 0).w == 1.0
-        && texelFetch(accumulated, ivec2(pixel), 0).w < push.covered;
+    bool open = inside && texelFetch(gbuffer_position, ivec2(pixel), 0).w == 1.0;
+    if (open) {
+        float weight = texelFetch(accumulated, ivec2(pixel), 0).w;
+        open = weight < push.covered || (HAS_CONTRAST != 0 && push.contrast > 0.0 && disputed(ivec2(pixel), weight));
+    }
     uint inclusive = prefix_sum(open ? 1 : 0);
     if (PHASE == 0) {
         if (gl_LocalInvocationID.x == 255) groups[gl_WorkGroupID.x] = inclusive;

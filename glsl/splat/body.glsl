@@ -25,7 +25,7 @@ layout(location = 0) out vec4 sum;
 layout(location = 1) out vec4 sky_sum;
 #endif
 #ifdef COUNTED
-layout(location = COUNTED) out vec4 count;
+layout(location = COUNTED) out vec4 tally;  // number of records, Σ w·L and Σ w·L² of what they say, L its luminance
 #endif
 
 vec3 extrapolated(Payload p, vec3 turn, vec3 offset) {
@@ -72,6 +72,11 @@ void main() {
     sky_sum = vec4(w * extrapolated(payloads[2 * record_index + 1], turn, offset), w);
 #endif
 #ifdef COUNTED
-    count = vec4(1.0);
+    vec3 said = sum.rgb;
+#ifdef SKY
+    said += sky_sum.rgb;
+#endif
+    float luminance = dot(said, vec3(0.2126, 0.7152, 0.0722));  // times w
+    tally = vec4(1.0, luminance, luminance * (luminance / w), 0.0);
 #endif
 }

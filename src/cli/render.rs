@@ -101,6 +101,10 @@ pub struct RenderArgs {
     /// Sum of weights from which a pixel counts as covered
     #[arg(long, value_name = "W", help_heading = "Irradiance cache")]
     coverage: Option<f32>,
+    /// New records are put where those of a pixel disagree by more than this, relative to their mean: 0.1 or 0.15 removes dark
+    /// or bright spots beside edges of the light; 0: they may disagree
+    #[arg(long, value_name = "C", help_heading = "Irradiance cache")]
+    contrast: Option<f32>,
     /// √(1 − cos) between normals at which a record's weight has fallen to zero
     #[arg(long, value_name = "X", help_heading = "Irradiance cache", hide_short_help = true)]
     normal_limit: Option<f32>,
@@ -295,6 +299,7 @@ impl RenderArgs {
         set(&mut cache.min_radius, self.min_radius);
         set(&mut cache.max_radius, self.max_radius);
         set(&mut cache.covered, self.coverage);
+        set(&mut cache.contrast, self.contrast);
         set(&mut cache.normal_limit, self.normal_limit);
         set_u32(&mut cache.capture_size, self.capture_size);
         cache.capture = match self.capture {

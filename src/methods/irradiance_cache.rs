@@ -5,7 +5,7 @@ use super::Ground;
 use super::captures::{CaptureMode, Captures};
 use crate::math::capture::Projection;
 use crate::passes::clamp_records::{ClampRecords, Reach};
-use crate::passes::find_uncovered::{FindUncovered, Lattice};
+use crate::passes::find_uncovered::{FindUncovered, Lattice, Need};
 use crate::passes::gbuffer::Targets;
 use crate::passes::integrate::{Gradients, Integrate, Limits, Radius};
 use crate::passes::place_records::{PlaceRecords, Placement};
@@ -49,6 +49,8 @@ pub struct CacheSettings {
     pub hidden: bool,
     /// Zones of new records are clamped by those of their neighbours.
     pub clamped: bool,
+    /// Relative standard deviation of what the records of a pixel say above which they are too few; 0: never.
+    pub contrast: f32,
     /// Seed of the hemicubes' turns.
     pub seed: u32,
 }
@@ -97,6 +99,8 @@ pub struct IrradianceCache {
     place: PlaceRecords,
     integrate: Integrate,
     clamp: Option<ClampRecords>,
+    /// Smallest radius of a zone in pixels.
+    min_radius: f32,
     /// Splats and their sums.
     pub splat: Splat,
     _records: Buffer,
@@ -126,7 +130,7 @@ impl IrradianceCache {
         let records = Buffer::new(device, "records", records, Memory::Device)?;
         let payloads = u64::from(capacity) * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
         let payloads = Buffer::new(device, "records", payloads, Memory::Device)?;
-        let outputs = Outputs { sky: sky.is_some(), records: counts_records };
+        let outputs = Outputs { sky: sky.is_some(), tally: counts_records || settings.contrast > 0.0 };
         let both = (&records, &payloads);
         let has_gradients = settings.gradients.rotation || settings.gradients.translation;
         let height = gbuffer.position.desc.size[1] as f32;
@@ -144,13 +148,13 @@ impl IrradianceCache {
         let seen = Seen { frames, gathered: gathered.buffer(), size: *size, stride };
         let seen = settings.rejects_hidden().then_some(seen);
         let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight, seen)?;
-        let find = FindUncovered::new(device, gbuffer, &splat.sums.indirect)?;
+        let find = FindUncovered::new(device, gbuffer, &splat.sums, settings.contrast > 0.0)?;
         let place = PlaceRecords::new(device, gbuffer, &find.found, captures.frames(), &records)?;
         let reach = Reach { min: limits.min_radius, max: limits.max_radius };
         let clamp = || ClampRecords::new(device, gbuffer, &find.found, both, sky.is_some(), reach);
         let clamp = settings.clamped.then(clamp).transpose()?;
         let (_records, _payloads) = (records, payloads);
-        Ok(Self { settings, captures, find, place, integrate, clamp, splat, _records, _payloads })
+        Ok(Self { settings, captures, find, place, integrate, clamp, min_radius, splat, _records, _payloads })
     }
 
     /// Fills the cache until every pixel is covered. `progress` hears the records so far and the share of rounds done.
@@ -188,9 +192,16 @@ impl IrradianceCache {
 
     fn find(&self, recording: &mut Recording<'_>, lattice: Lattice) -> Result<()> {
         recording.pass("find_uncovered", |c| {
-            self.find.record(c, lattice, self.settings.covered);
+            self.find.record(c, lattice, self.need(lattice));
             Ok(())
         })
+    }
+
+    /// Where records disagree, smaller ones are put between them: as long as the lattice is no finer than their zones.
+    fn need(&self, lattice: Lattice) -> Need {
+        let CacheSettings { covered, contrast, .. } = self.settings;
+        let refines = lattice.stride as f32 >= self.min_radius;
+        Need { covered, contrast: if refines { contrast } else { 0.0 } }
     }
 
     /// Captures and splats what was found, a submission a batch; the last one looks for the next round's pixels.

@@ -145,7 +145,7 @@ fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) 
     };
     let records = Buffer::with_data(device, "records", &vec![place; SPLATS as usize])?;
     let payloads = Buffer::with_data(device, "records", &vec![Payload::default(); SPLATS as usize])?;
-    let outputs = Outputs { sky: false, records: false };
+    let outputs = Outputs { sky: false, tally: false };
     let splat = Splat::new(device, &gbuffer.targets, (&records, &payloads), outputs, true, Weight::Bounded, None)?;
     // From the centre along −z, 90° wide, reversed depth.
     let near = 1e-3;

@@ -1,10 +1,11 @@
-//! Finds the pixels of a lattice that no record covers yet, in scan order.
+//! Finds the pixels of a lattice that no record covers yet, or whose records disagree, in scan order.
 
 use super::gbuffer::Targets;
 use super::groups;
+use super::splat::Sums;
 use crate::vk::{
-    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Image, Memory, PipelineLayout, Result,
-    SetLayout, Specialisation, barrier, spirv,
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
+    Specialisation, barrier, spirv,
 };
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -19,6 +20,16 @@ struct Push {
     lattice: [u32; 2],
     stride: u32,
     covered: f32,
+    contrast: f32,
+}
+
+/// What makes a pixel of a lattice need a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Need {
+    /// A sum of weights below this.
+    pub covered: f32,
+    /// A standard deviation of what its records say, relative to their mean, above this; 0: they may say anything.
+    pub contrast: f32,
 }
 
 /// Every `stride`-th pixel of every `stride`-th row from `offset` on.
@@ -43,24 +54,31 @@ pub struct FindUncovered {
 }
 
 impl FindUncovered {
-    /// Reads coverage from the fourth channel of `accumulated`.
-    pub fn new(device: &Arc<Device>, gbuffer: &Targets, accumulated: &Image) -> Result<Self> {
+    /// Reads what was splatted from `sums`; `has_contrast` says that their tally is to be looked at.
+    pub fn new(device: &Arc<Device>, gbuffer: &Targets, sums: &Sums, has_contrast: bool) -> Result<Self> {
         let size = gbuffer.position.desc.size;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let counts = Buffer::new(device, "uncovered pixels", pixels.div_ceil(u64::from(GROUP)) * 4, Memory::Device)?;
         let found = Buffer::new(device, "uncovered pixels", 4 + pixels * 4, Memory::Device)?;
         let bindings = [
             Binding::Texels(&gbuffer.position),
-            Binding::Texels(accumulated),
+            Binding::Texels(&sums.indirect),
             Binding::Storage(&counts),
             Binding::Storage(&found),
+            // Not read where it is not looked at.
+            Binding::Texels(sums.tally.as_ref().unwrap_or(&sums.indirect)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let phase = |index| {
             let code = spirv!("find_uncovered", "find_uncovered.comp");
-            ComputePipeline::new("find_uncovered", &pipeline_layout, code, &Specialisation(vec![index]))
+            ComputePipeline::new(
+                "find_uncovered",
+                &pipeline_layout,
+                code,
+                &Specialisation(vec![index, u32::from(has_contrast)]),
+            )
         };
         Ok(Self {
             phases: [phase(0)?, phase(1)?, phase(2)?],
@@ -73,15 +91,16 @@ impl FindUncovered {
         })
     }
 
-    /// Finds the pixels of `lattice` whose weight is below `covered`.
-    pub fn record(&self, commands: &Commands, lattice: Lattice, covered: f32) {
+    /// Finds the pixels of `lattice` that need a record.
+    pub fn record(&self, commands: &Commands, lattice: Lattice, need: Need) {
         let points = |axis: usize| self.size[axis].saturating_sub(lattice.offset[axis]).div_ceil(lattice.stride);
         let push = Push {
             size: self.size,
             offset: lattice.offset,
             lattice: [points(0), points(1)],
             stride: lattice.stride,
-            covered,
+            covered: need.covered,
+            contrast: need.contrast,
         };
         let all = groups(points(0) * points(1), GROUP);
         for (phase, groups) in self.phases.iter().zip([all, [1, 1, 1], all]) {

@@ -112,7 +112,7 @@ impl Resolve {
             Binding::Texels(inputs.gbuffer.emission.as_ref().unwrap_or(position)),
             Binding::Texels(sums.map_or(position, |s| &s.indirect)),
             Binding::Texels(sums.and_then(|s| s.sky.as_ref()).unwrap_or(position)),
-            Binding::Texels(sums.and_then(|s| s.records.as_ref()).unwrap_or(position)),
+            Binding::Texels(sums.and_then(|s| s.tally.as_ref()).unwrap_or(position)),
             Binding::Storage(inputs.direct.unwrap_or(&output)),
             Binding::Storage(inputs.sky.unwrap_or(&output)),
             Binding::Storage(&output),
@@ -125,7 +125,7 @@ impl Resolve {
             inputs.sky.is_some(),
             inputs.direct.is_some(),
             inputs.gbuffer.emission.is_some(),
-            sums.is_some_and(|s| s.records.is_some()),
+            sums.is_some_and(|s| s.tally.is_some()),
         ];
         let constants =
             features.iter().map(|f| u32::from(*f)).chain(Plane::ALL[6..].iter().map(|p| first(planes, *p) as u32));

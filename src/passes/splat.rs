@@ -39,8 +39,8 @@ pub enum Weight {
 pub struct Outputs {
     /// The sky's own irradiance, in an attachment of its own.
     pub sky: bool,
-    /// Number of records, in an attachment of its own.
-    pub records: bool,
+    /// [`Sums::tally`], in an attachment of its own.
+    pub tally: bool,
 }
 
 /// What the records of a batch have seen, for [`Splat`] to reject points that are hidden from them.
@@ -62,8 +62,8 @@ pub struct Sums {
     pub indirect: Image,
     /// Of the sky's irradiance.
     pub sky: Option<Image>,
-    /// Number of records a pixel.
-    pub records: Option<Image>,
+    /// Number of records of a pixel, and the weighted sums of the luminance and squared luminance of what they say.
+    pub tally: Option<Image>,
 }
 
 /// The pass.
@@ -112,7 +112,7 @@ impl Splat {
         let [sky, gradients, ward] = [outputs.sky, gradients, weight == Weight::Ward].map(u32::from);
         let constants =
             vec![sky, gradients, ward, seen.map_or(0, |seen| seen.size), seen.map_or(1, |seen| seen.stride)];
-        let fragment = match (outputs.sky, outputs.records) {
+        let fragment = match (outputs.sky, outputs.tally) {
             (false, false) => spirv!("splat", "plain.frag"),
             (true, false) => spirv!("splat", "sky.frag"),
             (false, true) => spirv!("splat", "counted.frag"),
@@ -154,11 +154,11 @@ impl Sums {
         Ok(Self {
             indirect: sum()?,
             sky: outputs.sky.then(sum).transpose()?,
-            records: outputs.records.then(sum).transpose()?,
+            tally: outputs.tally.then(sum).transpose()?,
         })
     }
 
     fn in_order(&self) -> Vec<&Image> {
-        [Some(&self.indirect), self.sky.as_ref(), self.records.as_ref()].into_iter().flatten().collect()
+        [Some(&self.indirect), self.sky.as_ref(), self.tally.as_ref()].into_iter().flatten().collect()
     }
 }

@@ -87,6 +87,8 @@ impl Plan {
         let clamped = if cache.clamped { why } else { "neighbours are not asked to clamp each other" };
         plan.part("clamp_records", plan.captures && cache.clamped, clamped);
         plan.part("splat", plan.captures, why);
+        let disputed = if cache.contrast > 0.0 { why } else { "records may disagree by anything (--contrast 0)" };
+        plan.part("contrast", plan.captures && cache.contrast > 0.0, disputed);
         let hidden =
             if cache.hidden { "the captures do not see the horizon" } else { "records may light what they do not see" };
         let hidden = if plan.captures { hidden } else { why };

@@ -60,6 +60,7 @@ impl Default for Settings {
                 normal_limit: 0.2,
                 hidden: true,
                 clamped: true,
+                contrast: 0.0,
                 seed: 0,
             },
             lights: LightSettings { area_samples: 64, sky_samples: 128, shadow_size: 256 },
@@ -121,6 +122,9 @@ impl Settings {
                 self.cache.lod_error,
                 "must be from 0 (all triangles are drawn) to 16 texels",
             ));
+        }
+        if !(0.0..=1e4).contains(&self.cache.contrast) {
+            return Err(error("--contrast", self.cache.contrast, "must be from 0 (records may disagree) to 10000"));
         }
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;

@@ -120,7 +120,7 @@ fn splatting_settings(task: &Task, size: (u32, u32)) -> Value {
         "accuracy": accuracy, "capture": capture.name(), "capture_size": texels, "gradients": gradients.name(),
         "weight": match cache.weight { Weight::Bounded => "bounded", Weight::Ward => "ward" },
         "min_radius": plain(cache.min_radius), "max_radius": plain(cache.max_radius), "covered": plain(cache.covered),
-        "normal_limit": plain(cache.normal_limit), "seed": cache.seed, "area_samples": lights.area_samples,
+        "normal_limit": plain(cache.normal_limit), "contrast": plain(cache.contrast), "seed": cache.seed, "area_samples": lights.area_samples,
         "sky_samples": lights.sky_samples, "shadow_size": lights.shadow_size, "surface_cells": settings.surface_cells,
     })
 }
