@@ -26,13 +26,22 @@ const WHOLE: [CaptureMode; 5] =
     [CaptureMode::Hemicube, CaptureMode::Compute, PLANE, CaptureMode::Hemisphere, CaptureMode::ComputeHemisphere];
 
 fn measure(scene: &Scene, capture: CaptureMode, capture_size: u32, places: &[Place]) -> Vec<Probe> {
-    let device = gpu();
+    measure_on(&gpu(), scene, capture, capture_size, places)
+}
+
+fn measure_on(
+    device: &Arc<Device>,
+    scene: &Scene,
+    capture: CaptureMode,
+    capture_size: u32,
+    places: &[Place],
+) -> Vec<Probe> {
     let before = device.instance.validation_messages();
     let gradients = Gradients { rotation: true, translation: true };
     let lights = Settings::default().lights;
     let settings = ProbeSettings { capture, capture_size, gradients, lights, surface_cells: 1 << 15 };
-    let mut recorder = Recorder::new(&device);
-    let probes = Probes::new(&device, &mut recorder, scene, &settings).unwrap();
+    let mut recorder = Recorder::new(device);
+    let probes = Probes::new(device, &mut recorder, scene, &settings).unwrap();
     let measured = probes.measure(&mut recorder, places, |_| {}).unwrap();
     assert_eq!(device.instance.validation_messages() - before, 0, "validation messages; they are printed above");
     measured
@@ -312,5 +321,27 @@ fn triangles_cut_by_the_vertex_stage_make_the_same_picture() {
         let off = values.iter().zip(&cut.channels[name]).filter(|(a, b)| (*a - *b).abs() > 0.01 * scale).count();
         eprintln!("{name}: {off} of {} pixels differ by more than 1 % of the most, {scale}", values.len());
         assert!(off * 100 <= values.len(), "{name}: {off} pixels");
+    }
+}
+
+/// A device that cannot ballot in subgroups captures by whole workgroups, which list octets in another order: only where
+/// two surfaces are equally far may they see the other one. Of a sphere's 77,000 triangles more are seen than are listed at
+/// once.
+#[test]
+fn workgroups_capture_what_subgroups_do() {
+    let mut b = Builder::default();
+    let white = b.material(diffuse(0.8));
+    b.sphere(white, Vec3::ZERO, 2.0, 140, Facing::In);
+    b.light(Light::Point { position: vec3(0.5, 0.3, 0.0), intensity: Vec3::splat(3.0) });
+    let scene = b.build();
+    let mut device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
+    Arc::get_mut(&mut device).unwrap().capabilities.subgroup = None;
+    let places = turned(vec3(0.0, -1.0, 0.0), 8);
+    for capture in [CaptureMode::Compute, CaptureMode::ComputeHemisphere] {
+        let usual = measure(&scene, capture, 32, &places);
+        for (a, b) in usual.iter().zip(measure_on(&device, &scene, capture, 32, &places)) {
+            let (a, b) = (a.reflected.value.y, b.reflected.value.y);
+            assert!((a / b - 1.0).abs() < 1e-4, "{capture:?}: {a} {b}");
+        }
     }
 }

@@ -21,7 +21,7 @@ LEFT_OUT = {
     "--hidden allow": ["--hidden", "allow"],
     "--weight ward": ["--weight", "ward"],
 }
-PASSES = {"find_clusters": "capture", "capture_compute": "capture", "cull": "capture", "capture": "capture",
+PASSES = {"capture_compute": "capture", "cull": "capture", "capture": "capture",
           "integrate": "integrate", "clamp_records": "clamp_records", "splat": "splat"}
 COLUMNS = ["capture", "integrate", "clamp_records", "splat"]
 

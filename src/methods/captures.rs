@@ -4,7 +4,6 @@ use super::Ground;
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::{CaptureCompute, Looks};
-use crate::passes::find_clusters::FindClusters;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::integrate::{Captured, CapturedBy};
 use crate::scene::Scene;
@@ -109,12 +108,10 @@ impl Captures {
         let kinds = Kinds { sky: sky.is_some(), planes };
         if in_compute {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
-            // At most as much again for the bits of visible clusters.
-            let by_bits = BATCH_BYTES / FindClusters::bytes_per_frame(tree).max(1);
             let looks = Looks::new(projection, size, lod_error);
             let texels = u64::from(looks.texels);
             let by_texels = Gathered::most_viewed(device, kinds) / texels;
-            let capacity = u64::from(capacity).min(by_bits).min(by_texels).max(1);
+            let capacity = u64::from(capacity).min(by_texels).max(1);
             let gathered = Gathered::viewed(device, texels * capacity, kinds)?;
             let capacity = capacity as u32;
             let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), &looks, capacity)?;
@@ -163,16 +160,10 @@ impl Captures {
     /// Captures the first `count` frames.
     pub fn record(&self, recording: &mut Recording<'_>, ground: &Ground<'_>, count: u32) -> Result<()> {
         match &self.by {
-            By::Compute(capture) => {
-                recording.pass("find_clusters", |c| {
-                    capture.record_find(c, count);
-                    Ok(())
-                })?;
-                recording.pass("capture_compute", |c| {
-                    capture.record(c, count);
-                    Ok(())
-                })
-            }
+            By::Compute(capture) => recording.pass("capture_compute", |c| {
+                capture.record(c, count);
+                Ok(())
+            }),
             By::Render(capture) => {
                 if capture.is_culled() {
                     recording.pass("cull", |c| {

@@ -1,14 +1,13 @@
 //! The fused capture: hemicubes, or hemispheres on a disc, rasterised in compute, in shared memory.
 //!
 //! The same texels as [`super::capture`] sees, within the rasterisation rules: texels whose centre lies on an edge may fall
-//! to either side, and of two surfaces whose distances differ by less than 2⁻¹¹ of the distance either may be seen. Alpha
+//! to either side, and of two surfaces whose distances differ by less than 2⁻¹³ of the distance either may be seen. Alpha
 //! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
 //! or a 64th of the triangle's side.
 
-use super::cluster_tree::ClusterTree;
-use super::find_clusters::{FACES, FindClusters, Finds};
+use super::cluster_tree::{ClusterTree, MOST_LEVELS};
 use super::gathered::{Gathered, Kinds};
-use super::geometry::{CLUSTER, Geometry};
+use super::geometry::Geometry;
 use crate::math::capture::{Projection, Texel};
 use crate::scene::Scene;
 use crate::vk::{
@@ -18,19 +17,27 @@ use crate::vk::{
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-/// Words of clusters' bits that are listed at once (`WORDS` of the shader).
-const LISTED_WORDS: u32 = 63;
-/// Nearest depth that is told from nearer ones, relative to the scene's size: 16 octaves down from four times its radius.
-const NEAREST: f32 = 4.0 / 65536.0;
+/// Octets that are listed at once (`LIST` of the shader).
+const LISTED: u32 = 2016;
+/// Invocations of a workgroup that is no subgroup.
+const THREADS: u32 = 64;
+/// Nearest depth that is told from nearer ones, relative to the scene's radius: 32 octaves from there on are told apart, up to
+/// 2¹⁴ times the radius.
+const NEAREST: f32 = 1.0 / (1 << 18) as f32;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
     nearest: f32,
-    word_count: u32,
+    /// Error of coarse triangles that is allowed at distance 1.
+    allowed_error: f32,
     texel_count: u32,
     /// Cells from here on are coarse ones.
     first_coarse_cell: u32,
+    /// Levels of the tree.
+    levels: u32,
+    /// First node of each, and the end.
+    first: [u32; MOST_LEVELS + 1],
 }
 
 /// How a record looks.
@@ -52,15 +59,10 @@ impl Looks {
         let disc = (projection == Projection::Hemisphere).then(|| texels.iter().map(spot).collect());
         Self { size, lod_error, texels: texels.len() as u32, disc }
     }
-
-    fn finds(&self) -> Finds {
-        Finds { size: self.size, is_disc: self.disc.is_some(), lod_error: self.lod_error }
-    }
 }
 
 /// The pass.
 pub struct CaptureCompute {
-    find: FindClusters,
     pipeline: ComputePipeline,
     set: DescriptorSet,
     push: Push,
@@ -100,12 +102,11 @@ impl CaptureCompute {
         let (size, is_disc) = (looks.size, looks.disc.is_some());
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
         let frames = Buffer::new(device, "capture frames", frames, Memory::Device)?;
-        let find = FindClusters::new(device, tree, &frames, looks.finds(), capacity)?;
         let disc =
             looks.disc.as_ref().map(|disc| TexelBuffer::with_data(device, "capture tables", disc)).transpose()?;
         let bindings = [
             Binding::Storage(&frames),
-            Binding::Storage(&find.visible),
+            Binding::TexelBuffer(&tree.boxes),
             Binding::TexelBuffer(&tree.corners),
             // What the scene does not have is never read.
             Binding::TexelBuffer(tree.masks.as_ref().unwrap_or(&tree.corners)),
@@ -115,31 +116,39 @@ impl CaptureCompute {
             Binding::Storage(gathered.buffer()),
             Binding::TexelBuffer(disc.as_ref().unwrap_or(&tree.corners)),
             Binding::Storage(tree.shown_cell.as_ref().unwrap_or(&geometry.first_cell)),
+            Binding::TexelBuffer(tree.errors.as_ref().unwrap_or(&tree.boxes)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let code = spirv!("capture_compute", "capture_compute.comp");
+        let mut first = [0; MOST_LEVELS + 1];
+        first[..tree.first.len()].copy_from_slice(&tree.first);
         let push = Push {
             nearest: geometry.radius * NEAREST,
-            word_count: FindClusters::words(tree),
+            // A face is 2 wide at distance 1.
+            allowed_error: looks.lod_error * 2.0 / size as f32,
             texel_count: looks.texels,
             first_coarse_cell: geometry.cell_count,
+            levels: tree.first.len() as u32 - 1,
+            first,
         };
         let kinds = gathered.kinds;
         let flags = [tree.masks.is_some(), kinds.sky, kinds.planes, is_disc, tree.has_levels()].map(u32::from);
-        let constants = Specialisation([size].into_iter().chain(flags).collect());
+        // On a CPU whose vector unit runs a subgroup, a workgroup is one: a driver that has to stop and go on with invocations
+        // keeps their variables in memory (llvmpipe: 1.4 times the time).
+        let (threads, code) = match device.capabilities.subgroup {
+            Some(threads) if device.is_cpu() && THREADS.is_multiple_of(threads) && threads >= 8 => {
+                (threads, spirv!("capture_compute", "subgroup.comp"))
+            }
+            _ => (THREADS, spirv!("capture_compute", "workgroup.comp")),
+        };
+        let constants = Specialisation([size].into_iter().chain(flags).chain([threads]).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
-        let views = if is_disc { 1 } else { FACES };
-        Ok(Self { find, pipeline, set, push, frames, views, _disc: disc, _layout: layout })
+        let views = if is_disc { 1 } else { 5 };
+        Ok(Self { pipeline, set, push, frames, views, _disc: disc, _layout: layout })
     }
 
-    /// Finds the clusters that the first `count` frames see.
-    pub fn record_find(&self, commands: &Commands, count: u32) {
-        self.find.record(commands, count);
-    }
-
-    /// Captures the first `count` frames, after [`Self::record_find`].
+    /// Captures the first `count` frames.
     pub fn record(&self, commands: &Commands, count: u32) {
         self.pipeline.bind(commands, &[&self.set]);
         self.pipeline.layout.push(commands, &self.push);
@@ -153,7 +162,7 @@ fn tables(projection: Projection, size: u32) -> u32 {
     3 * 2 * squares * size * size
 }
 
-/// Shared memory of a workgroup: keys, and the list of clusters with the counts that order it.
+/// Shared memory of a workgroup: keys, octets, the walk's stack, and two words for counting.
 fn shared_bytes(size: u32) -> u32 {
-    4 * (size * size + LISTED_WORDS * u32::BITS + CLUSTER)
+    4 * (size * size + LISTED + 10 * THREADS + 2)
 }

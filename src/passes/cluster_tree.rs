@@ -1,5 +1,5 @@
-//! The scene's triangles in an order for captures in compute: clusters of 64 neighbours, groups of 32 neighbouring
-//! clusters, each with its box, and with levels of detail the bounds of its error.
+//! The scene's triangles as a tree for captures in compute: octets of triangles, clusters of eight octets, and so on, eight
+//! children a node, each with its box, and with levels of detail the bounds of its error.
 
 use super::geometry::CLUSTER;
 use crate::math::levels::{Bound, Cluster, First, Levels, Surface};
@@ -11,8 +11,10 @@ use glam::{Vec3, Vec4};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Clusters of a group: those whose bits share a word.
-const GROUP: usize = u32::BITS as usize;
+/// Children of a node; triangles of an octet, the lowest kind of node.
+const CHILDREN: usize = 8;
+/// Levels that a device walks, at most: 8¹⁰ triangles.
+pub const MOST_LEVELS: usize = 10;
 
 /// Texels of the corners' buffer that a triangle takes.
 const CORNERS: u64 = 3;
@@ -26,16 +28,15 @@ pub enum Detail {
     Levels,
 }
 
-/// Clusters and groups on the device.
+/// The tree on the device.
 pub struct ClusterTree {
-    /// Number of groups.
-    pub group_count: u32,
-    /// Number of clusters.
-    pub cluster_count: u32,
-    /// Boxes of the groups, of all that they stand for and of what replaces them, with errors.
-    pub groups: TexelBuffer,
-    /// Boxes of the clusters, likewise.
-    pub clusters: TexelBuffer,
+    /// First node of each level, octets first, and the end.
+    pub first: Vec<u32>,
+    /// Boxes of the nodes: lowest and highest corner.
+    pub boxes: TexelBuffer,
+    /// Of the nodes from clusters on, where clusters have levels: the box of all that they stand for and of what replaces
+    /// them; w of their highest corners are the errors: where there are several, the least and the largest.
+    pub errors: Option<TexelBuffer>,
     /// Three corners a triangle, 64 triangles a cluster, the last ones points where a cluster has fewer; w (bits): number
     /// of the triangle, then its alpha mask.
     pub corners: TexelBuffer,
@@ -97,23 +98,23 @@ impl ClusterTree {
         clusters: Vec<Cluster>,
         shown_cell: Option<&Vec<u32>>,
     ) -> Result<Self> {
-        let entry = |c: &Cluster| Entry { shape: triangles.bounds(c), own: c.own.into(), coarser: c.coarser.into() };
-        let entries: Vec<_> = clusters.iter().map(entry).collect();
-        let groups: Vec<_> = entries.chunks(GROUP).map(Entry::around).collect();
         let mut corners = Vec::with_capacity(clusters.len() * CLUSTER as usize);
         for cluster in &clusters {
             corners.extend(cluster.triangles.iter().map(|t| triangles.named(*t)));
             let last = corners.last().map_or(Vec4::ZERO, |[a, ..]: &[Vec4; 3]| a.truncate().extend(0.0));
             corners.resize(corners.len().next_multiple_of(CLUSTER as usize), [last; 3]);
         }
+        let octets = corners.chunks(CHILDREN).map(|c| Bounds::of_corners(c.as_flattened())).collect();
+        let (first, boxes) = levels_of(octets, |boxes| boxes.iter().fold(Bounds::EMPTY, |all, b| all.joined(*b)));
+        let errors: Vec<_> = clusters.iter().map(|c| Errors { own: c.own.into(), coarser: c.coarser.into() }).collect();
+        let errors = shown_cell.map(|_| levels_of(errors, Errors::around).1);
         let words = &triangles.opacity.words;
         let masks = || TexelBuffer::with_data(device, "alpha masks", words);
         let shown = |cells: &Vec<u32>| Buffer::with_data(device, "coarse cells", cells);
         Ok(Self {
-            group_count: groups.len() as u32,
-            cluster_count: clusters.len() as u32,
-            groups: TexelBuffer::with_data(device, "cluster bounds", &groups)?,
-            clusters: TexelBuffer::with_data(device, "cluster bounds", &entries)?,
+            first,
+            boxes: TexelBuffer::with_data(device, "cluster bounds", &boxes)?,
+            errors: errors.map(|errors| TexelBuffer::with_data(device, "cluster bounds", &errors)).transpose()?,
             corners: TexelBuffer::with_data(device, "capture corners", &corners)?,
             masks: (!words.is_empty()).then(masks).transpose()?,
             shown_cell: shown_cell.map(shown).transpose()?,
@@ -155,7 +156,7 @@ impl Triangles<'_> {
     fn clusters(&self, range: Range<u32>) -> Vec<Cluster> {
         let boxes: Vec<_> = range.clone().map(|t| Bounds::of(&self.corners(t))).collect();
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        sort(&boxes, &mut order, &[GROUP * CLUSTER as usize, CLUSTER as usize]);
+        sort(&boxes, &mut order);
         let cluster = |piece: &[u32]| Cluster {
             triangles: piece.iter().map(|t| range.start + t).collect(),
             level: 0,
@@ -165,46 +166,58 @@ impl Triangles<'_> {
         order.chunks(CLUSTER as usize).map(cluster).collect()
     }
 
-    /// Clusters by level, neighbours after each other, and so their triangles by size.
+    /// Clusters by level, neighbours after each other, and so their triangles.
     fn in_groups(&self, mut clusters: Vec<Cluster>) -> Vec<Cluster> {
-        let area = |t: &u32| Bounds::of(&self.corners(*t)).area();
         for cluster in &mut clusters {
-            // Neighbours in a cluster are drawn side by side: of like size, they take like time.
-            cluster.triangles.sort_by(|a, b| area(b).total_cmp(&area(a)));
+            let boxes: Vec<_> = cluster.triangles.iter().map(|t| Bounds::of(&self.corners(*t))).collect();
+            let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+            sort(&boxes, &mut order);
+            cluster.triangles = order.iter().map(|i| cluster.triangles[*i as usize]).collect();
         }
         clusters.sort_by_key(|c| c.level);
         let mut grouped = Vec::with_capacity(clusters.len());
         for level in clusters.chunk_by(|a, b| a.level == b.level) {
             let boxes: Vec<_> = level.iter().map(|c| self.bounds(c)).collect();
             let mut order: Vec<u32> = (0..level.len() as u32).collect();
-            sort(&boxes, &mut order, &[GROUP]);
+            sort(&boxes, &mut order);
             grouped.extend(order.iter().map(|i| level[*i as usize].clone()));
         }
         grouped
     }
 }
 
-/// A cluster or a group, as `glsl/find_clusters` reads it: its box, that of all it stands for, and that of what replaces
-/// it; w of the last two's highest corners are their errors: of a group, the least and the largest.
+/// All levels of a tree above `leaves`, one after the other, up to the root: a node is what `join` makes of its children.
+/// And where each begins, and the end.
+fn levels_of<T: Copy>(leaves: Vec<T>, join: impl Fn(&[T]) -> T) -> (Vec<u32>, Vec<T>) {
+    let mut first = vec![0];
+    let mut nodes = leaves;
+    while nodes.len() > first[first.len() - 1] as usize + 1 {
+        let level = nodes[first[first.len() - 1] as usize..].chunks(CHILDREN).map(&join).collect::<Vec<_>>();
+        first.push(nodes.len() as u32);
+        nodes.extend(level);
+    }
+    first.push(nodes.len() as u32);
+    (first, nodes)
+}
+
+/// When a node is shown, as `glsl/capture_compute` reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Entry {
-    shape: Bounds,
+struct Errors {
     own: Bounds,
     coarser: Bounds,
 }
 
-impl Entry {
-    /// Of a group: errors that hold for some cluster, or none.
-    fn around(entries: &[Self]) -> Self {
-        let mut all = entries[0];
-        for entry in entries {
-            all.shape = all.shape.joined(entry.shape);
-            all.own = all.own.joined(entry.own);
-            all.coarser = all.coarser.joined(entry.coarser);
+impl Errors {
+    /// Of several: errors that hold for some of them, or none.
+    fn around(nodes: &[Self]) -> Self {
+        let mut all = nodes[0];
+        for node in nodes {
+            let least = all.own.high.w.min(node.own.high.w);
+            all.own = all.own.joined(node.own);
+            all.coarser = all.coarser.joined(node.coarser);
+            all.own.high.w = least;
         }
-        all.own.high.w = entries.iter().map(|e| e.own.high.w).fold(f32::MAX, f32::min);
-        all.coarser.high.w = entries.iter().map(|e| e.coarser.high.w).fold(0.0, f32::max);
         all
     }
 }
@@ -215,7 +228,7 @@ impl From<Bound> for Bounds {
     }
 }
 
-/// An axis-aligned box, as `glsl/find_clusters` reads it.
+/// An axis-aligned box, as `glsl/capture_compute` reads it.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Bounds {
@@ -228,6 +241,11 @@ impl Bounds {
 
     fn of(points: &[Vec3]) -> Self {
         points.iter().map(|p| p.extend(0.0)).fold(Self::EMPTY, |b, p| b.with(p, p))
+    }
+
+    /// Of corners as the device has them.
+    fn of_corners(corners: &[Vec4]) -> Self {
+        corners.iter().fold(Self::EMPTY, |b, p| b.with(*p, *p))
     }
 
     fn around(boxes: &[Self], which: &[u32]) -> Self {
@@ -249,20 +267,18 @@ impl Bounds {
     }
 }
 
-/// Orders what lies in `boxes` so that neighbours come together: halves of halves, cut where runs of each of `units`, from
-/// large to small, are full.
-fn sort(boxes: &[Bounds], order: &mut [u32], units: &[usize]) {
-    let smallest = units[units.len() - 1];
-    if order.len() <= smallest {
-        // Neighbours in a cluster are drawn side by side: of like size, they take like time.
+/// Orders what lies in `boxes` so that neighbours come together: halves of halves, cut where nodes are full.
+fn sort(boxes: &[Bounds], order: &mut [u32]) {
+    if order.len() <= CHILDREN {
+        // What is drawn side by side: of like size, it takes like time.
         order.sort_by(|a, b| boxes[*b as usize].area().total_cmp(&boxes[*a as usize].area()));
         return;
     }
-    let unit = units.iter().copied().find(|unit| order.len() > *unit).unwrap_or(smallest);
-    let middle = order.len().div_ceil(unit).div_ceil(2) * unit;
+    let node = CHILDREN.pow((order.len() - 1).ilog(CHILDREN));
+    let middle = order.len().div_ceil(node).div_ceil(2) * node;
     halve(boxes, order, middle);
     let (front, back) = order.split_at_mut(middle);
-    rayon::join(|| sort(boxes, front, units), || sort(boxes, back, units));
+    rayon::join(|| sort(boxes, front), || sort(boxes, back));
 }
 
 /// Brings `middle` of the triangles to the front, so that both halves have small boxes: along an axis, or the larger ones
@@ -301,7 +317,7 @@ mod tests {
     fn every_triangle_is_in_one_compact_cluster() {
         let boxes = sheet(64);
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        sort(&boxes, &mut order, &[GROUP * 64, 64]);
+        sort(&boxes, &mut order);
         let mut sorted = order.clone();
         sorted.sort_unstable();
         assert!(sorted.iter().copied().eq(0..boxes.len() as u32), "an order of all triangles");

@@ -8,7 +8,6 @@ pub mod capture_compute;
 pub mod clamp_records;
 pub mod cluster_tree;
 pub mod cull;
-pub mod find_clusters;
 pub mod find_uncovered;
 pub mod gathered;
 pub mod gbuffer;

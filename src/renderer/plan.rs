@@ -111,9 +111,7 @@ impl Plan {
     fn capture_parts(&mut self, against_compute: Option<String>, opaque: u32, lod_error: f32) {
         self.part("capture", against_compute.is_some(), "captures are rasterised in compute");
         let why = against_compute.unwrap_or_default();
-        for pass in ["find_clusters", "capture_compute"] {
-            self.part(pass, why.is_empty(), why.clone());
-        }
+        self.part("capture_compute", why.is_empty(), why.clone());
         let why = if !why.is_empty() {
             why
         } else if lod_error <= 0.0 {

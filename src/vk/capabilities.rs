@@ -31,6 +31,8 @@ pub struct Capabilities {
     pub timestamp_bits: u32,
     /// Nanoseconds a timestamp tick.
     pub timestamp_period: f64,
+    /// Invocations of a subgroup, where compute shaders may ballot in one.
+    pub subgroup: Option<u32>,
     /// Queue family with graphics and compute.
     pub queue_family: u32,
 }
@@ -107,8 +109,9 @@ impl Capabilities {
             unsafe { instance.raw.get_physical_device_queue_family_properties(device.raw) }[queue_family as usize];
         Ok(Self {
             limits,
-            max_views: properties_1_1.0,
-            max_allocation: properties_1_1.1,
+            max_views: properties_1_1.max_multiview_view_count,
+            max_allocation: properties_1_1.max_memory_allocation_size,
+            subgroup: balloting_subgroup(&properties_1_1),
             device_memory: memory
                 .memory_heaps_as_slice()
                 .iter()
@@ -145,13 +148,23 @@ fn features(instance: &Instance, device: vk::PhysicalDevice) -> Features {
     (base, v11, v12)
 }
 
-fn properties(instance: &Instance, device: vk::PhysicalDevice) -> (vk::PhysicalDeviceLimits, (u32, u64)) {
+fn properties(
+    instance: &Instance,
+    device: vk::PhysicalDevice,
+) -> (vk::PhysicalDeviceLimits, vk::PhysicalDeviceVulkan11Properties<'static>) {
     let mut v11 = vk::PhysicalDeviceVulkan11Properties::default();
     let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut v11);
     // SAFETY: the chain's structs live through the call.
     unsafe { instance.raw.get_physical_device_properties2(device, &mut all) };
     let limits = all.properties.limits;
-    (limits, (v11.max_multiview_view_count, v11.max_memory_allocation_size))
+    v11.p_next = std::ptr::null_mut();
+    (limits, v11)
+}
+
+fn balloting_subgroup(properties: &vk::PhysicalDeviceVulkan11Properties<'_>) -> Option<u32> {
+    let ballots = properties.subgroup_supported_operations.contains(vk::SubgroupFeatureFlags::BALLOT)
+        && properties.subgroup_supported_stages.contains(vk::ShaderStageFlags::COMPUTE);
+    ballots.then_some(properties.subgroup_size)
 }
 
 fn queue_family(instance: &Instance, device: vk::PhysicalDevice) -> Option<u32> {

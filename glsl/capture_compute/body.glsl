@@ -1,0 +1,184 @@
+// Views of a record rasterised in shared memory, after micro-rendering (Ritschel et al. 2009): no image is written, only
+// the light that each texel sees. A view is a hemicube's face, or the hemisphere projected onto the disc below it. One
+// workgroup a (record, view) walks the tree of the scene's triangles and draws those that the view sees, an invocation
+// each. Triangles are tested by the texels' directions, in homogeneous coordinates (Olano and Greer 1997): what crosses the
+// face's plane needs no clipping, and no projection bends a side.
+#extension GL_GOOGLE_include_directive : require
+#include "shared/types.glsl"
+#include "inc/views.glsl"
+layout(local_size_x_id = 6) in;
+
+layout(constant_id = 0) const uint SIZE = 32;
+layout(constant_id = 1) const uint HAS_MASKS = 0;
+layout(constant_id = 2) const uint HAS_SKY = 0;
+layout(constant_id = 3) const uint HAS_TRANSLATION = 1;  // planes are wanted
+layout(constant_id = 4) const uint IS_DISC = 0;
+layout(constant_id = 5) const uint HAS_LEVELS = 0;
+layout(constant_id = 6) const uint THREADS = 64;  // a multiple of the tree's children
+
+layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
+layout(set = 0, binding = 1) uniform textureBuffer boxes;   // of the tree's nodes, level by level: low, high
+layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w: the geometry's triangle; its mask
+layout(set = 0, binding = 3) uniform textureBuffer masks;  // bits, 128 a texel
+layout(set = 0, binding = 4, std430) readonly buffer FirstCell { uint first_cell[]; };
+layout(set = 0, binding = 5, std430) readonly buffer CellRadiance { float cell_radiance[]; };
+layout(set = 0, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
+layout(set = 0, binding = 7, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
+layout(set = 0, binding = 8) uniform textureBuffer disc;  // of each texel: its direction, its place in the square (bits)
+layout(set = 0, binding = 9, std430) readonly buffer ShownCell { uint shown_cell[]; };  // of each coarse one
+layout(set = 0, binding = 10) uniform textureBuffer errors;  // of nodes from clusters on: two boxes, w of high: error
+layout(push_constant) uniform Push {
+    float nearest;  // smallest depth that is told from others
+    float allowed_error;  // at distance 1
+    uint texel_count;
+    uint first_coarse_cell;
+    uint levels;     // of the tree
+    uint first[11];  // node of each level, and the end
+} push;
+
+#include "inc/cells.glsl"
+#include "inc/gathered.glsl"
+#include "inc/sky.glsl"
+
+const uint OCTET = 8;  // triangles that are drawn side by side; children of a node
+const uint NOTHING = 0xffffffffu;
+// A key is the logarithm of depth in the upper bits; then the entry of the triangle's octet in the list, plus 1, and
+// its place in it. Entry 0 are triangles whose numbers `gathered` holds meanwhile: the list is used again and again, so
+// that any number of triangles has a name.
+const uint PLACE_BITS = 3, ENTRY_BITS = 11, ID_BITS = PLACE_BITS + ENTRY_BITS, DEPTH_BITS = 32 - ID_BITS;
+
+shared uint keys[SIZE * SIZE];
+
+// A face of a record's hemicube, or its disc, which looks as the first face does.
+struct View { uint face; mat3 axes; Frame frame; };
+// Corners, in face coordinates; of its alpha mask cells along a side, 0 without one, and the first texel.
+struct Triangle { vec3 a, b, c; uvec2 mask; };
+
+// A face's right, up and forward as rows, local.
+mat3 local_axes(uint face) {
+    return mat3(face_coordinates(face, vec3(1.0, 0.0, 0.0)), face_coordinates(face, vec3(0.0, 1.0, 0.0)),
+                face_coordinates(face, vec3(0.0, 0.0, 1.0)));
+}
+
+// In the world.
+mat3 world_axes(uint face, Frame frame) {
+    return local_axes(face) * transpose(mat3(frame.tangent.xyz, frame.bitangent.xyz, frame.normal.xyz));
+}
+
+vec3 place(View view, vec4 corner) { return view.axes * (corner.xyz - view.frame.origin.xyz); }
+
+Triangle load(View view, uint triangle) {
+    int at = int(3 * triangle);
+    vec4 a = texelFetch(corners, at), b = texelFetch(corners, at + 1), c = texelFetch(corners, at + 2);
+    return Triangle(place(view, a), place(view, b), place(view, c), floatBitsToUint(vec2(b.w, c.w)));
+}
+
+// The point of the face's plane at distance 1 in a texel's centre. Row 0 is at the top.
+vec2 texel_centre(ivec2 at) { return ((vec2(at) + 0.5) * (2.0 / float(SIZE)) - 1.0) * vec2(1.0, -1.0); }
+
+// Direction of a place in the square, in face coordinates: of length 1 on the disc, of depth 1 on a face.
+vec3 direction_of(ivec2 at) {
+    vec2 p = texel_centre(at);
+    return vec3(p, IS_DISC != 0 ? sqrt(max(1.0 - dot(p, p), 0.0)) : 1.0);
+}
+
+// A texel's direction, and the place of its key. The disc has none outside.
+struct Spot { vec3 way; uint key; };
+
+Spot spot_of(uint i) {
+    if (IS_DISC == 0) return Spot(direction_of(ivec2(i % SIZE, i / SIZE)), i);
+    vec4 texel = texelFetch(disc, int(i));
+    return Spot(texel.xyz, floatBitsToUint(texel.w));
+}
+
+#include "capture_compute/rasterise.glsl"
+#include "capture_compute/walk.glsl"
+
+// `gathered` keeps triangles' numbers meanwhile, as the bits of floats that no device takes for a denormal one.
+const uint TAG = 0x40000000u;
+
+uint meanwhile(uint at) { return floatBitsToUint(gathered[STRIDE * at].x) ^ TAG; }
+
+void keep(uint at, uint triangle) { gathered[STRIDE * at].x = uintBitsToFloat(triangle | TAG); }
+
+// Number of the triangle that a texel sees, plus 1; 0 for none.
+uint triangle_at(uint i, uint key, uint first) {
+    if (key == NOTHING) return 0;
+    uint id = key & ((1 << ID_BITS) - 1);
+    return id < OCTET ? meanwhile(first + i) : triangle_of(id) + 1;
+}
+
+// Makes the list free: keeps what texels see so far in `gathered`.
+void retire(uint texels, uint first) {
+    for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
+        uint at = spot_of(i).key, key = keys[at];
+        if (key == NOTHING) continue;
+        keep(first + i, triangle_at(i, key, first));
+        keys[at] = key >> ID_BITS << ID_BITS;
+    }
+}
+
+void draw(View view, uint texels, uint first) {
+    uint me = gl_LocalInvocationID.x;
+    Walk walk = start();
+    while (walk.depth > 0) {
+        if (walk.listed > 0) retire(texels, first);
+        walk.listed = 0;
+        meet();
+        list_octets(view, walk, LIST - THREADS);
+        for (uint entry = me / OCTET; entry < walk.listed; entry += SIDE_BY_SIDE) {
+            uint id = (entry + 1) << PLACE_BITS | me % OCTET;
+            Triangle t = load(view, triangle_of(id));
+            rasterise(t, bounds(t, view.face), id);
+        }
+        meet();
+    }
+}
+
+void clear(View view, uint texels, uint first) {
+    for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
+        Spot spot = spot_of(i);
+        bool above = dot(spot.way * view.axes, view.frame.horizon.xyz) > 0.0;
+        // Below the horizon nothing is nearer than the nothing that is there already.
+        keys[spot.key] = above ? NOTHING : 0;
+        if (!above) keep(first + i, 0);
+    }
+}
+
+void gather(View view, uint texels, uint first) {
+    mat3 axes = local_axes(view.face);
+    for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
+        Spot spot = spot_of(i);
+        uint key = keys[spot.key], triangle = triangle_at(i, key, first), at = STRIDE * (first + i);
+        vec3 way = normalize(spot.way), plane = vec3(0.0), beyond = vec3(0.0);
+        vec4 seen = vec4(0.0);
+        if (triangle != 0) {
+            Triangle t = load(view, triangle - 1);
+            vec3 e1 = t.b - t.a, e2 = t.c - t.a;
+            plane = inverse_plane(t.a, e1, e2);
+            // Faces are mirrored: what shows its front has a positive volume in the world and a negative one here.
+            bool front = dot(t.a, cross(e1, e2)) < 0.0;
+            uint name = floatBitsToUint(texelFetch(corners, int(3 * triangle - 3)).w);
+            uint cell = cell_of(name, barycentrics(t.a, e1, e2, way));
+            if (HAS_LEVELS != 0 && cell >= push.first_coarse_cell) cell = shown_cell[cell - push.first_coarse_cell];
+            seen = vec4(cell_light(cell, front), max(dot(plane, way), 0.0));
+        }
+        if (HAS_SKY != 0) {
+            if (key == NOTHING) beyond = sky_radiance(way * view.axes);
+            gathered[at + 1] = vec4(beyond, 0.0);
+        }
+        gathered[at] = seen;
+        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane * axes, 0.0);
+    }
+}
+
+void main() {
+    uint views = IS_DISC != 0 ? 1 : 5, record = gl_WorkGroupID.x / views, face = gl_WorkGroupID.x % views;
+    View view = View(face, world_axes(face, frames[record]), frames[record]);
+    uint texels = IS_DISC != 0 ? push.texel_count : SIZE * rows(face);
+    uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * SIZE + (face - 1) * (SIZE * SIZE / 2));
+    clear(view, texels, first);
+    meet();
+    draw(view, texels, first);
+    gather(view, texels, first);
+}
