@@ -16,6 +16,7 @@ mod walls;
 pub use case::{Case, Known, Read, Site, evaluate};
 pub use row::{Bound, Row, csv, markdown};
 
+use crate::math::capture::Projection;
 use crate::methods::captures::{CaptureMode, PLANE_APERTURE};
 use crate::methods::light_samples::LightSettings;
 use crate::methods::probes::{Place, Probe, ProbeError, ProbeSettings, Probes, SurfaceCell};
@@ -54,13 +55,13 @@ impl Bench {
     ) -> Result<Vec<Probe>, ProbeError> {
         let mut recorder = Recorder::new(&self.device);
         let cut;
-        let scene = match self.capture {
-            CaptureMode::Hemisphere => {
-                let (low, high) = scene.bounds();
-                cut = scene.tessellated(LONGEST_SIDE * (high - low).length());
-                &cut
-            }
-            _ => scene,
+        let by_passes = self.capture.against_compute(&self.device, scene, size).is_some();
+        let scene = if self.capture.projection() == Projection::Hemisphere && by_passes {
+            let (low, high) = scene.bounds();
+            cut = scene.tessellated(LONGEST_SIDE * (high - low).length());
+            &cut
+        } else {
+            scene
         };
         let settings = self.settings(size, (cells, samples));
         Probes::new(&self.device, &mut recorder, scene, &settings)?.measure(&mut recorder, places, |_| {})
@@ -95,8 +96,12 @@ pub struct Kind {
 }
 
 /// Kinds of capture: a plane's rows are those that it sees wholly, or whose radiance is the same everywhere, for what is near
-/// the horizon is a guess; a hemisphere's those of scenes small enough to be cut finely, in compute all but those whose order it
-/// does not have: a texel at the disc's rim is as wide as √(4/N), and its middle's radiance counts.
+/// the horizon is a guess; a hemisphere's those of scenes small enough to be cut finely.
+///
+/// In compute a hemisphere lacks the rows that ask more of the horizon than the disc has texels there. One at the rim is √(4/N)
+/// wide, 14° at 64², and its middle's radiance counts for all of it. So the derivatives of the linear sky are of first order, off
+/// by 0.2 % at 64², where a hemicube's are of second; a wedge of 175°, 5° high, has gradients 7 % off; the furthest place before
+/// the wall has dE/dn 2.2 % off where 2 % are asked, and dE/dn in the Cornell box is 2.4 % off.
 pub const KINDS: [Kind; 5] = [
     Kind { name: "compute", mode: CaptureMode::Compute, rows: None },
     Kind { name: "hemicube", mode: CaptureMode::Hemicube, rows: None },
@@ -125,18 +130,28 @@ pub const KINDS: [Kind; 5] = [
             "rectangle ahead",
             "polygon",
             "parallel plates",
+            "sphere light",
             "integrating sphere",
+            "cube faces",
+            "perpendicular wall",
+            "wedge of 5°",
+            "wedge of 45°",
+            "wedge of 90°",
+            "wedge of 135°",
             "furnace",
             "half a sky",
             "world × 2^k",
             "emission × 2^k",
+            "scale",
             "far origin",
+            "radiance 10⁶ : 1",
             "near-black",
             "thin wall",
             "two rooms",
             "needles",
             "bad triangles",
             "one-texel light",
+            "slit",
         ]),
     },
     Kind {
