@@ -3,10 +3,12 @@
 //! [`Plan::of`] says what a scene needs before anything is built; [`render`] builds that and nothing else, and runs it.
 
 mod camera;
+mod memory;
 mod output;
 mod plan;
 mod settings;
 
+pub use memory::TooLarge;
 pub use plan::{LeftOut, Plan};
 pub use settings::{Settings, SettingsError};
 
@@ -37,6 +39,9 @@ pub enum RenderError {
     /// The scene's lights.
     #[error(transparent)]
     Lights(#[from] TooManyLights),
+    /// The scene's size.
+    #[error(transparent)]
+    Memory(#[from] TooLarge),
 }
 
 /// A finished frame and what it cost.
@@ -76,6 +81,7 @@ pub fn render(
         clock.lap("tessellate");
     }
     let plan = Plan::of(scene, settings, Some(device));
+    memory::check(device, scene, &plan, settings)?;
     let size = [settings.width, settings.height];
     let view = View::new(scene, camera, size);
 

@@ -47,9 +47,9 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
 /// Exit code of a failed run: 3 where the device is at fault, 2 where the input is.
 pub fn exit_code(error: &anyhow::Error) -> ExitCode {
     use hemicube::renderer::RenderError;
-    let vulkan = match error.downcast_ref::<RenderError>() {
-        Some(RenderError::Vulkan(error)) => Some(error),
-        _ => error.downcast_ref::<hemicube::vk::Error>(),
+    let device = match error.downcast_ref::<RenderError>() {
+        Some(error) => matches!(error, RenderError::Vulkan(_) | RenderError::Memory(_)),
+        None => error.is::<hemicube::vk::Error>(),
     };
-    ExitCode::from(if vulkan.is_some() { 3 } else { 2 })
+    ExitCode::from(if device { 3 } else { 2 })
 }

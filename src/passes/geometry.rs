@@ -1,11 +1,18 @@
 //! The scene's geometry on the GPU: vertex streams, triangles in an order made for culling, clusters, surface cells.
 
+mod cells;
+mod needs;
+mod order;
+
+pub use needs::{Need, needs};
+
 use super::cluster_tree::{Cells, ClusterTree, Detail};
 use crate::math::{adjacency, levels};
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
 use ash::vk;
 use glam::Vec3;
+use order::{Order, as_usize, bounds, clusters};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -93,7 +100,7 @@ impl Geometry {
     pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32, detail: Option<Detail>) -> Result<Self> {
         let order = Order::new(scene);
         let triangles = &order.triangles;
-        let (mut first_cell, cell_triangle, cell_area) = cut_into_cells(scene, triangles, cells);
+        let (mut first_cell, cell_triangle, cell_area) = cells::cut(scene, triangles, cells);
         let spheres: Vec<[f32; 4]> =
             order.ranges.iter().flat_map(|r| clusters(scene, &triangles[as_usize(&r.triangles)])).collect();
         let part_cells = order
@@ -189,108 +196,6 @@ impl Geometry {
             _ => (&self.positions, &self.indices),
         }
     }
-}
-
-/// Triangles in drawing order: opaque materials before masked ones, each material's along a Morton curve.
-struct Order {
-    triangles: Vec<[u32; 3]>,
-    parts: Vec<Part>,
-    ranges: Vec<DrawRange>,
-}
-
-impl Order {
-    fn new(scene: &Scene) -> Self {
-        let mut sources: Vec<_> = scene.parts.iter().filter(|p| p.triangle_count > 0).collect();
-        sources.sort_by_key(|part| scene.is_masked(part));
-        let mut order = Self { triangles: Vec::with_capacity(scene.triangles.len()), parts: vec![], ranges: vec![] };
-        let bounds = bounds(&scene.positions);
-        for part in sources {
-            let first = order.triangles.len() as u32;
-            let range = part.first_triangle..part.first_triangle + part.triangle_count;
-            order.triangles.extend(along_morton_curve(scene, &scene.triangles[as_usize(&range)], bounds));
-            order.parts.push(Part { first_triangle: first, ..*part });
-            order.extend_ranges(scene.is_masked(part).then_some(part.material), first);
-        }
-        order
-    }
-
-    fn extend_ranges(&mut self, masked: Option<u32>, first: u32) {
-        let end = self.triangles.len() as u32;
-        match self.ranges.last_mut() {
-            Some(last) if last.masked.is_none() && masked.is_none() => {
-                last.triangles.end = end;
-                last.clusters.end = last.clusters.start + last.triangles.len().div_ceil(CLUSTER as usize) as u32;
-            }
-            last => {
-                let start = last.map_or(0, |range| range.clusters.end);
-                let clusters = start..start + (end - first).div_ceil(CLUSTER);
-                self.ranges.push(DrawRange { masked, triangles: first..end, clusters });
-            }
-        }
-    }
-}
-
-fn as_usize(range: &Range<u32>) -> Range<usize> {
-    range.start as usize..range.end as usize
-}
-
-fn bounds(points: &[Vec3]) -> [Vec3; 2] {
-    let whole = points.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], p| [low.min(*p), high.max(*p)]);
-    if points.is_empty() { [Vec3::ZERO; 2] } else { whole }
-}
-
-fn along_morton_curve(scene: &Scene, triangles: &[[u32; 3]], bounds: [Vec3; 2]) -> Vec<[u32; 3]> {
-    // One scale for all axes: clusters come out as cubes, and a scaled world has the same order.
-    let scale = 1023.0 / (bounds[1] - bounds[0]).max_element().max(f32::MIN_POSITIVE);
-    let code = |triangle: &[u32; 3]| {
-        let sum: Vec3 = triangle.iter().map(|v| scene.positions[*v as usize]).sum();
-        let cell = ((sum / 3.0 - bounds[0]) * scale).as_uvec3();
-        spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
-    };
-    let mut coded: Vec<_> = triangles.iter().map(|t| (code(t), *t)).collect();
-    coded.sort_by_key(|(code, _)| *code);
-    coded.into_iter().map(|(_, t)| t).collect()
-}
-
-/// Ten bits, two zeros between neighbours.
-fn spread(v: u32) -> u32 {
-    let v = v & 0x3ff;
-    let v = (v | v << 16) & 0x0300_00ff;
-    let v = (v | v << 8) & 0x0300_f00f;
-    let v = (v | v << 4) & 0x030c_30c3;
-    (v | v << 2) & 0x0924_9249
-}
-
-fn clusters(scene: &Scene, triangles: &[[u32; 3]]) -> Vec<[f32; 4]> {
-    let sphere = |cluster: &[[u32; 3]]| {
-        let points: Vec<Vec3> = cluster.iter().flatten().map(|v| scene.positions[*v as usize]).collect();
-        let [low, high] = bounds(&points);
-        let centre = (low + high) * 0.5;
-        let radius = points.iter().map(|p| p.distance(centre)).fold(0.0, f32::max);
-        // A grain more, for the rounding of the tests that use it.
-        [centre.x, centre.y, centre.z, radius * 1.001]
-    };
-    triangles.chunks(CLUSTER as usize).map(sphere).collect()
-}
-
-/// r² cells a triangle, so that all cells have about the same area: first cell of each triangle, triangle of each cell.
-/// And the area that cells were to have.
-fn cut_into_cells(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> (Vec<u32>, Vec<u32>, f64) {
-    let area = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| scene.positions[v as usize]);
-        f64::from((b - a).cross(c - a).length()) * 0.5
-    };
-    let total: f64 = triangles.iter().map(area).sum();
-    let cell = total / f64::from(budget.max(1));
-    let mut first = Vec::with_capacity(triangles.len() + 1);
-    let mut owner = Vec::new();
-    for (index, triangle) in triangles.iter().enumerate() {
-        first.push(owner.len() as u32);
-        let r = ((area(triangle) / cell).sqrt().round() as usize).clamp(1, 1024);
-        owner.extend(std::iter::repeat_n(index as u32, r * r));
-    }
-    first.push(owner.len() as u32);
-    (first, owner, cell)
 }
 
 fn upload_streams(device: &Arc<Device>, scene: &Scene) -> Result<(Streams, [Option<Buffer>; 4])> {
