@@ -4,6 +4,7 @@ mod cells;
 mod needs;
 mod order;
 
+pub use cells::count as cell_count;
 pub use needs::{Need, needs};
 
 use super::cluster_tree::{Cells, ClusterTree, Detail};
@@ -136,9 +137,10 @@ impl Geometry {
         let set = DescriptorSet::new(&set_layout, &bindings)?;
         let unshared = !device.capabilities.primitive_id;
         let corners = || triangles.iter().flatten().map(|v| positions[*v as usize]).collect::<Vec<_>>();
-        let corners = unshared.then(|| Buffer::with_data(device, "capture corners", &corners())).transpose()?;
+        let corners = unshared.then(|| Buffer::with_vertices(device, "capture corners", &corners())).transpose()?;
         let counting = || (0..3 * triangles.len() as u32).collect::<Vec<u32>>();
-        let corner_indices = unshared.then(|| Buffer::with_data(device, "capture corners", &counting())).transpose()?;
+        let corner_indices =
+            unshared.then(|| Buffer::with_vertices(device, "capture corners", &counting())).transpose()?;
         let bounds = bounds(&scene.positions);
         Ok(Self {
             parts: order.parts,

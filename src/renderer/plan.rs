@@ -4,6 +4,7 @@ use super::Settings;
 use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
+use crate::passes::geometry::cell_count;
 use crate::passes::resolve::Plane;
 use crate::scene::{Background, Light, Part, Scene};
 use crate::vk::Device;
@@ -139,8 +140,11 @@ impl Plan {
     }
 }
 
+/// Radiance of so many cells fits into a buffer on every device (maxStorageBufferRange is 2²⁷ bytes).
+const MOST_CELLS: u64 = (1 << 27) / 24;
+
 /// Cells for a scene: more for more detail, fewer where each is lit by many samples, so that lighting them stays within
-/// about 2²⁶ shadow lookups, and what holds them within 100 MB.
+/// about 2²⁶ shadow lookups, and what holds them within 2²⁷ bytes, as long as that leaves each triangle one.
 fn cells(scene: &Scene, settings: &Settings) -> u32 {
     let emissive = |part: &&Part| scene.materials[part.material as usize].emission != Vec3::ZERO;
     let faces: u32 = scene.parts.iter().filter(emissive).map(|part| part.triangle_count).sum();
@@ -148,7 +152,11 @@ fn cells(scene: &Scene, settings: &Settings) -> u32 {
     let area_samples = if is_sampled { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
     let samples = scene.lights.len() as u64 + u64::from(area_samples);
     let affordable = (1_u64 << 26) / samples.max(1);
-    (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32
+    let mut cells = (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32;
+    while cells > 1 && cell_count(scene, cells) > MOST_CELLS {
+        cells /= 2;
+    }
+    cells
 }
 
 struct Facts {

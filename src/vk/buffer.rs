@@ -104,6 +104,13 @@ impl Buffer {
         Ok(buffer)
     }
 
+    /// The same for vertices or indices that no pass reads as storage: only memory limits them.
+    pub fn with_vertices<T: Pod>(device: &Arc<Device>, used_for: &'static str, data: &[T]) -> Result<Self> {
+        let buffer = Self::unlimited(device, used_for, size_of_val(data) as u64, Memory::Device)?;
+        buffer.upload(data)?;
+        Ok(buffer)
+    }
+
     /// Copies `data` to the start of this device buffer and waits; large data go in pieces, so that staging stays small.
     pub fn upload<T: Pod>(&self, data: &[T]) -> Result<()> {
         const PIECE: usize = 64 << 20;

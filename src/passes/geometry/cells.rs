@@ -16,10 +16,10 @@ pub(super) fn cut(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> (Vec<u3
     (first, owner, cell)
 }
 
-/// Number of cells that [`cut`] will make.
-pub(super) fn count(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> u64 {
-    let cell = cell_area(scene, triangles, budget);
-    triangles.iter().map(|t| cells_of(scene, t, cell) as u64).sum()
+/// Number of cells that a surface which is to be cut into about `budget` comes to: each triangle has one.
+pub fn count(scene: &Scene, budget: u32) -> u64 {
+    let cell = cell_area(scene, &scene.triangles, budget);
+    scene.triangles.iter().map(|t| cells_of(scene, t, cell) as u64).sum()
 }
 
 fn cell_area(scene: &Scene, triangles: &[[u32; 3]], budget: u32) -> f64 {

@@ -26,7 +26,7 @@ pub fn needs(device: &Device, scene: &Scene, cells: u32, detail: Option<Detail>,
     let texels = u64::from(limits.max_texel_buffer_elements) * 16;
     let rows = u64::from(limits.max_image_dimension2_d) * u64::from(3 * TRIANGLES_IN_ROW) * 16;
     let (vertices, triangles) = (scene.positions.len() as u64, scene.triangles.len() as u64);
-    let cells = cells::count(scene, &scene.triangles, cells);
+    let cells = cells::count(scene, cells);
     let has_levels = detail == Some(Detail::Levels);
     // Simplified by halves, a surface's levels have as many triangles as itself. Their clusters are not quite full.
     let drawn = if has_levels { triangles * 9 / 4 } else { triangles };
