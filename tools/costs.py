@@ -13,9 +13,11 @@ from frame import frame
 
 LEFT_OUT = {
     "default": [],
-    "--gradients none": ["--gradients", "none"],
-    "--gradients rotation": ["--gradients", "rotation"],
-    "--gradients translation": ["--gradients", "translation"],
+    "--contrast 0": ["--contrast", "0"],
+    # Without gradients records disagree everywhere.
+    "--contrast 0 --gradients none": ["--contrast", "0", "--gradients", "none"],
+    "--contrast 0 --gradients rotation": ["--contrast", "0", "--gradients", "rotation"],
+    "--contrast 0 --gradients translation": ["--contrast", "0", "--gradients", "translation"],
     "--radius harmonic": ["--radius", "harmonic"],
     "--neighbours free": ["--neighbours", "free"],
     "--hidden allow": ["--hidden", "allow"],

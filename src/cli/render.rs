@@ -101,8 +101,8 @@ pub struct RenderArgs {
     /// Sum of weights from which a pixel counts as covered
     #[arg(long, value_name = "W", help_heading = "Irradiance cache")]
     coverage: Option<f32>,
-    /// New records are put where those of a pixel disagree by more than this, relative to their mean: 0.1 or 0.15 removes dark
-    /// or bright spots beside edges of the light; 0: they may disagree
+    /// New records are put where those of a pixel disagree by more than this, relative to their mean: removes dark or bright
+    /// spots beside edges of the light; 0: they may disagree
     #[arg(long, value_name = "C", help_heading = "Irradiance cache")]
     contrast: Option<f32>,
     /// √(1 − cos) between normals at which a record's weight has fallen to zero

@@ -60,7 +60,7 @@ impl Default for Settings {
                 normal_limit: 0.2,
                 hidden: true,
                 clamped: true,
-                contrast: 0.0,
+                contrast: 0.15,
                 seed: 0,
             },
             lights: LightSettings { area_samples: 64, sky_samples: 128, shadow_size: 256 },
