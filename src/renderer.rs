@@ -8,7 +8,7 @@ mod output;
 mod plan;
 mod settings;
 
-pub use memory::TooLarge;
+pub use memory::{TooLarge, check as check_memory, largest_of, memory_needs};
 pub use plan::{LeftOut, Plan};
 pub use settings::{Settings, SettingsError};
 

@@ -10,6 +10,10 @@ use glam::{DVec3, Vec3, dvec3, vec3};
 use hemicube::renderer::{Rendered, Settings};
 use hemicube::scene::{Camera, Light, Scene, cornell};
 
+/// Pixels a side, and the width of one on the floor of the two rooms.
+const SIDE: u32 = 96;
+const PIXEL: f32 = 2.0 / SIDE as f32;
+
 /// Two rooms without ceilings over one floor, between them a wall without thickness with a slit of width `slit` in it. A
 /// sun shines on the left room and on the left of the wall; no light reaches what the right room's floor can see.
 fn two_rooms(slit: f32) -> (Scene, Camera) {
@@ -24,11 +28,15 @@ fn two_rooms(slit: f32) -> (Scene, Camera) {
     (b.build(), look_parallel(dvec3(0.0, 4.0, 0.0), DVec3::ZERO, 1.0))
 }
 
-/// Mean irradiance on the right of the wall over that on its left, and the number of pixels on the right that have any.
-fn leak(rendered: &Rendered) -> (f64, usize) {
+/// Mean irradiance on the right of the wall over that on its left, and the number of pixels on the right that have any. Through
+/// the gap a record sees its smallest zone, two pixels wide, to both sides.
+fn leak(rendered: &Rendered, gap: f32) -> (f64, usize) {
     let (p, e) = (rendered.picture.xyz("P").unwrap(), rendered.picture.rgb("irradiance").unwrap()[0]);
     let side = |right: bool| {
-        let floor = |i: &usize| p[1][*i].abs() < 1e-3 && (p[0][*i] > 0.0) == right && p[0][*i].abs() > 1e-3;
+        let zone = 2.0 * PIXEL;
+        let in_gap = |i: usize| gap > 0.0 && p[2][i].abs() < 0.5 * gap + zone && p[0][i].abs() < zone;
+        let floor =
+            |i: &usize| p[1][*i].abs() < 1e-3 && (p[0][*i] > 0.0) == right && p[0][*i].abs() > 1e-3 && !in_gap(*i);
         (0..e.len()).filter(floor).map(|i| f64::from(e[i])).collect::<Vec<_>>()
     };
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
@@ -45,7 +53,7 @@ fn with(hidden: bool, settings: Settings) -> Settings {
 /// Two rooms leak through a gap of that width while hidden points are lit, and not at all once they are rejected.
 fn check_leak(what: &str, gap: f32) {
     let (scene, camera) = two_rooms(gap);
-    let [before, after] = [false, true].map(|hidden| leak(&draw(&scene, &camera, &with(hidden, small(96)))));
+    let [before, after] = [false, true].map(|hidden| leak(&draw(&scene, &camera, &with(hidden, small(SIDE))), gap));
     let [was, is] = [before.0, after.0].map(|share| share * 1e2);
     eprintln!("{what}: {was:.3} % in {} pixels before, {is:.5} % in {} after", before.1, after.1);
     assert!(before.0 > 0.002, "the scene does not leak: {before:?}");

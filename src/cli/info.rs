@@ -4,7 +4,7 @@ use super::common::SceneArgs;
 use anyhow::Result;
 use clap::Args;
 use hemicube::methods::rates::Rates;
-use hemicube::renderer::{Plan, Settings};
+use hemicube::renderer::{Plan, Settings, check_memory, largest_of, memory_needs};
 use hemicube::scene::Scene;
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
 use std::process::ExitCode;
@@ -12,7 +12,8 @@ use std::process::ExitCode;
 /// Show the devices and their limits, or what a scene needs and what is left out
 ///
 /// Without SCENE: every Vulkan device, the limits and options that matter here, and what each missing option costs. With
-/// SCENE: its size, lights and cameras, the passes that it needs, and those it does not with the reason.
+/// SCENE: its size, lights and cameras, what a frame at the default settings will take of the first device's memory, the
+/// passes that it needs, and those it does not with the reason.
 #[derive(Args, Debug)]
 pub struct InfoArgs {
     #[command(flatten)]
@@ -46,7 +47,16 @@ fn describe(scene: &Scene, note: Option<&str>) {
     println!("bounds     {low} to {high}, origin {}", scene.origin);
     note.into_iter().for_each(|note| println!("note       {note}"));
     scene.notes.iter().for_each(|note| println!("note       {note}"));
-    let plan = Plan::of(scene, &Settings::default(), None);
+    let settings = Settings::default();
+    // Without a device there is still much to say.
+    let device = Instance::new(false).and_then(|instance| Device::new(instance, &DeviceChoice::Best)).ok();
+    let plan = Plan::of(scene, &settings, device.as_deref());
+    if let Some(device) = &device {
+        let needs = memory_needs(device, scene, &plan, &settings);
+        let bytes: u64 = needs.iter().map(|need| need.bytes).sum();
+        println!("memory     about {} MB of {}: {}, …", bytes / 1_000_000, device.physical.name, largest_of(&needs));
+        check_memory(device, scene, &plan, &settings).err().into_iter().for_each(|e| println!("note       {e}"));
+    }
     println!("\nruns       {}", plan.run.join(", "));
     for left in &plan.left_out {
         println!("left out   {} ({})", left.pass, left.why);

@@ -54,39 +54,45 @@ pub enum TooLarge {
     },
 }
 
-/// Checks that what `plan` makes of `scene` fits.
-pub fn check(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Result<(), TooLarge> {
-    fits(needs(device, scene, plan.surface_cells, plan.detail(), plan.lights), scene, device, settings)
+/// Device memory that a frame will take, about, by use: the largest first.
+pub fn memory_needs(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Vec<Need> {
+    let mut all = needs(device, scene, plan.surface_cells, plan.detail(), plan.lights);
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
+    let rest = [("textures", textures), ("the image", pixels * PIXEL), ("batches", FRAME)];
+    all.extend(rest.map(|(used_for, bytes)| Need { used_for, bytes, largest: bytes, allowed: u64::MAX }));
+    all.retain(|need| need.bytes > 0);
+    all.sort_by_key(|need| std::cmp::Reverse(need.bytes));
+    all
 }
 
-fn fits(mut needs: Vec<Need>, scene: &Scene, device: &Device, settings: &Settings) -> Result<(), TooLarge> {
+/// Checks that what `plan` makes of `scene` fits.
+pub fn check(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Result<(), TooLarge> {
+    let needs = memory_needs(device, scene, plan, settings);
     let triangles = scene.triangles.len();
-    let has_levels = needs.iter().any(|need| need.used_for == "coarse cells");
-    let remedy = if has_levels { ", or leave their levels of detail out (--lod-error 0)" } else { "" };
-    let allowed = |need: &Need| need.allowed.min(device.capabilities.max_allocation);
+    let leave_out = if plan.levels { ", or leave their levels of detail out (--lod-error 0)" } else { "" };
+    let allowed = |need: &Need| need.allowed.min(device.capabilities.max_allocation.max(FRAME));
     if let Some(need) = needs.iter().find(|need| need.largest > allowed(need)) {
-        // Cells have a say of their own, as long as there is more than one a triangle.
         let remedy = match need.used_for {
             "surface radiance" | "surface cells" => ", or their surface to fewer cells (--surface-cells)",
-            "capture corners" | "cluster bounds" | "coarse cells" => remedy,
+            "capture corners" | "cluster bounds" | "coarse cells" => leave_out,
             _ => "",
         };
         let (used_for, bytes, allowed) = (need.used_for, need.largest, allowed(need));
         return Err(TooLarge::One { triangles, used_for, bytes, allowed, remedy });
     }
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
-    let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
-    let rest = [("textures", textures), ("the image", pixels * PIXEL), ("batches", FRAME)];
-    let rest = rest.map(|(used_for, bytes)| Need { used_for, bytes, largest: bytes, allowed: bytes });
-    needs.extend(rest);
     let bytes = needs.iter().map(|need| need.bytes).sum();
     let has = device.capabilities.device_memory;
     if bytes <= has {
         return Ok(());
     }
-    needs.sort_by_key(|need| std::cmp::Reverse(need.bytes));
+    Err(TooLarge::All { triangles, bytes, list: largest_of(&needs), has, remedy: leave_out })
+}
+
+/// The four largest of them in words.
+pub fn largest_of(needs: &[Need]) -> String {
     let list: Vec<_> = needs.iter().take(4).map(|need| format!("{} {}", need.used_for, size(need.bytes))).collect();
-    Err(TooLarge::All { triangles, bytes, list: list.join(", "), has, remedy })
+    list.join(", ")
 }
 
 fn size(bytes: u64) -> String {
