@@ -6,8 +6,6 @@ use crate::passes::geometry::{Need, needs};
 use crate::scene::Scene;
 use crate::vk::Device;
 
-/// Bytes that a pixel takes in all images and buffers of its size, about: G-buffer, sums, layers and their read-back.
-const PIXEL: u64 = 256;
 /// Bytes of batches, shadow maps and staging that every scene takes, about.
 const FRAME: u64 = 200 << 20;
 
@@ -57,13 +55,22 @@ pub enum TooLarge {
 /// Device memory that a frame will take, about, by use: the largest first.
 pub fn memory_needs(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Vec<Need> {
     let mut all = needs(device, scene, plan.surface_cells, plan.detail(), plan.lights);
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
-    let rest = [("textures", textures), ("the image", pixels * PIXEL), ("batches", FRAME)];
+    let rest = [("textures", textures), ("the image", image), ("batches", FRAME)];
     all.extend(rest.map(|(used_for, bytes)| Need { used_for, bytes, largest: bytes, allowed: u64::MAX }));
     all.retain(|need| need.bytes > 0);
     all.sort_by_key(|need| std::cmp::Reverse(need.bytes));
     all
+}
+
+/// Bytes of a pixel in what has the image's size: position, normals, albedo, depth and emission, direct light, sums of splats,
+/// the neighbours that clamp them, the layers and their read-back.
+fn pixel(plan: &Plan, settings: &Settings) -> u64 {
+    let layers: u64 = settings.planes.iter().map(|plane| u64::from(plane.channels())).sum();
+    let runs = |part: &str| u64::from(plan.run.contains(&part));
+    let sums = runs("splat") + runs("sky") + (runs("contrast") | runs("record counts"));
+    36 + 16 * (runs("emission") + u64::from(plan.lights) + sums) + 8 * runs("clamp_records") + 8 * layers
 }
 
 /// Checks that what `plan` makes of `scene` fits.

@@ -13,7 +13,8 @@ pub struct Capabilities {
     pub max_views: u32,
     /// Largest single allocation in bytes.
     pub max_allocation: u64,
-    /// Sum of the device-local heaps in bytes.
+    /// Sum of the device-local heaps in bytes. Of a CPU, whose heap is nominal (llvmpipe: 2 GiB, seen in Mesa 22.3.6), the
+    /// memory that the machine has to spare, where that is known.
     pub device_memory: u64,
     /// Indirect draws take their count from a buffer; without it, draws left over are drawn with zero instances.
     pub draw_indirect_count: bool,
@@ -104,6 +105,13 @@ impl Capabilities {
         let (limits, properties_1_1) = properties(instance, device.raw);
         // SAFETY: the handle comes from this instance.
         let memory = unsafe { instance.raw.get_physical_device_memory_properties(device.raw) };
+        let heaps = memory
+            .memory_heaps_as_slice()
+            .iter()
+            .filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
+            .map(|heap| heap.size)
+            .sum();
+        let spare = (device.kind == vk::PhysicalDeviceType::CPU).then(spare_memory).flatten();
         // SAFETY: as above.
         let family =
             unsafe { instance.raw.get_physical_device_queue_family_properties(device.raw) }[queue_family as usize];
@@ -112,12 +120,7 @@ impl Capabilities {
             max_views: properties_1_1.max_multiview_view_count,
             max_allocation: properties_1_1.max_memory_allocation_size,
             subgroup: balloting_subgroup(&properties_1_1),
-            device_memory: memory
-                .memory_heaps_as_slice()
-                .iter()
-                .filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL))
-                .map(|heap| heap.size)
-                .sum(),
+            device_memory: spare.unwrap_or(heaps),
             draw_indirect_count: features_1_2.draw_indirect_count == vk::TRUE,
             multi_draw_indirect: features.multi_draw_indirect == vk::TRUE,
             primitive_id: features.geometry_shader == vk::TRUE && device.driver_id != vk::DriverId::MESA_LLVMPIPE,
@@ -128,6 +131,13 @@ impl Capabilities {
             queue_family,
         })
     }
+}
+
+/// Bytes that Linux says programs may still take.
+fn spare_memory() -> Option<u64> {
+    let all = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = all.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    line.split_whitespace().next()?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
 
 type Features = (
