@@ -97,6 +97,10 @@ impl Task {
             };
             let both = gradients == GradientsArg::Both;
             settings.cache.gradients = Gradients { rotation: both, translation: both };
+            if !both {
+                // Records disagree everywhere: more of them would be no answer.
+                settings.cache.contrast = 0.0;
+            }
         }
         settings
     }
