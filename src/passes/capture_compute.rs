@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// Octets that are listed at once (`LIST` of the shader).
 const LISTED: u32 = 2016;
+/// Triangles without levels of detail, at most, that one subgroup draws at 32² texels.
+const MOST_EXACT: u64 = 1 << 17;
 /// Invocations of a workgroup that is no subgroup.
 const THREADS: u32 = 64;
 /// Nearest depth that is told from nearer ones, relative to the scene's radius: 32 octaves from there on are told apart, up to
@@ -134,10 +136,8 @@ impl CaptureCompute {
         };
         let kinds = gathered.kinds;
         let flags = [tree.masks.is_some(), kinds.sky, kinds.planes, is_disc, tree.has_levels()].map(u32::from);
-        // On a CPU whose vector unit runs a subgroup, a workgroup is one: a driver that has to stop and go on with invocations
-        // keeps their variables in memory (llvmpipe: 1.4 times the time).
-        let (threads, code) = match device.capabilities.subgroup {
-            Some(threads) if device.is_cpu() && THREADS.is_multiple_of(threads) && threads >= 8 => {
+        let (threads, code) = match device.capabilities.subgroup.filter(|_| !is_disc) {
+            Some(threads) if by_subgroups(device, threads, (geometry, tree), size) => {
                 (threads, spirv!("capture_compute", "subgroup.comp"))
             }
             _ => (THREADS, spirv!("capture_compute", "workgroup.comp")),
@@ -154,6 +154,17 @@ impl CaptureCompute {
         self.pipeline.layout.push(commands, &self.push);
         self.pipeline.dispatch(commands, [count * self.views, 1, 1]);
     }
+}
+
+/// Whether a workgroup is to be one subgroup, of so many invocations: on a CPU whose vector unit runs one. A driver that has to
+/// stop and go on with invocations keeps their variables in memory (llvmpipe: 1.4 times the time). But all of a view's work falls
+/// to one then, and llvmpipe ends every loop of an invocation after 65,535 rounds of all its loops together: only where few
+/// triangles are drawn as they are, the fewer the more texels they have.
+fn by_subgroups(device: &Device, threads: u32, (geometry, tree): (&Geometry, &ClusterTree), size: u32) -> bool {
+    let exact = geometry.ranges.iter().filter(|range| range.masked.is_some() || !tree.has_levels());
+    let exact = exact.map(|range| range.triangles.len() as u64).sum::<u64>();
+    let few = exact * u64::from(size * size) <= MOST_EXACT * 32 * 32 && size <= 64;
+    few && device.is_cpu() && threads >= 8 && THREADS.is_multiple_of(threads)
 }
 
 /// Values of the larger table that [`super::integrate`] fetches, at most: three for each of two edges a texel.
