@@ -5,6 +5,9 @@ use crate::scene::{Part, Scene};
 use glam::Vec3;
 use std::ops::Range;
 
+/// Clusters of a draw range, at most: llvmpipe (Mesa 22.3.6) draws nothing of 2¹⁶ indirect draws and more.
+const MOST_CLUSTERS: u32 = 1 << 15;
+
 /// Triangles in drawing order: opaque materials before masked ones, each material's along a Morton curve.
 pub(super) struct Order {
     pub(super) triangles: Vec<[u32; 3]>,
@@ -25,6 +28,7 @@ impl Order {
             order.parts.push(Part { first_triangle: first, ..*part });
             order.extend_ranges(scene.is_masked(part).then_some(part.material), first);
         }
+        order.ranges = order.ranges.into_iter().flat_map(pieces).collect();
         order
     }
 
@@ -42,6 +46,16 @@ impl Order {
             }
         }
     }
+}
+
+/// A range in pieces of at most [`MOST_CLUSTERS`].
+fn pieces(range: DrawRange) -> impl Iterator<Item = DrawRange> {
+    let DrawRange { masked, triangles, clusters } = range;
+    clusters.clone().step_by(MOST_CLUSTERS as usize).map(move |first| {
+        let last = (first + MOST_CLUSTERS).min(clusters.end);
+        let triangle = |cluster: u32| (triangles.start + (cluster - clusters.start) * CLUSTER).min(triangles.end);
+        DrawRange { masked, triangles: triangle(first)..triangle(last), clusters: first..last }
+    })
 }
 
 pub(super) fn as_usize(range: &Range<u32>) -> Range<usize> {
