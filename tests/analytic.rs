@@ -6,7 +6,7 @@ mod common;
 
 use common::build::{Facing, diffuse, emitter, tessellated};
 use common::closed_forms::{crosses_box, element, over_square, parallelogram, point_light, polygon, spot_factor};
-use common::{Builder, against, assert_close, each_capture, look, look_parallel, picture, small};
+use common::{Builder, TINT, against, assert_close, each_capture, inside, look, look_parallel, picture, small, tinted};
 use glam::{DVec3, Vec3, dvec3, vec3};
 use hemicube::image::Picture;
 use hemicube::methods::captures::CaptureMode;
@@ -14,17 +14,6 @@ use hemicube::passes::integrate::Radius;
 use hemicube::renderer::Settings;
 use hemicube::scene::{Background, Camera, EnvironmentMap, Light, Material, Scene, cornell, load_from_slice};
 use std::f64::consts::PI;
-
-/// Factors of a light's red, green and blue, so that mixed-up channels show.
-const TINT: [f64; 3] = [1.0, 2.0, 0.5];
-
-fn tinted(value: f32) -> Vec3 {
-    value * vec3(1.0, 2.0, 0.5)
-}
-
-fn inside(p: DVec3, half: f64) -> bool {
-    p.x.abs() <= half && p.z.abs() <= half
-}
 
 // Sky.
 

@@ -6,22 +6,11 @@ mod common;
 
 use common::build::diffuse;
 use common::closed_forms::{parallelogram, polygon};
-use common::{Builder, against, assert_close, each_capture, look, look_parallel, picture, small};
+use common::{Builder, TINT, against, assert_close, each_capture, inside, look, look_parallel, picture, small, tinted};
 use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
 use hemicube::renderer::Settings;
 use hemicube::scene::{Light, Material, TextureRef};
 use std::f64::consts::PI;
-
-/// Factors of a light's red, green and blue, so that mixed-up channels show.
-const TINT: [f64; 3] = [1.0, 2.0, 0.5];
-
-fn tinted(value: f32) -> Vec3 {
-    value * vec3(1.0, 2.0, 0.5)
-}
-
-fn inside(p: DVec3, half: f64) -> bool {
-    p.x.abs() <= half && p.z.abs() <= half
-}
 
 /// A material of albedo 0.8 times a texture, cut out at alpha ½.
 fn cut_out(texture: u32) -> Material {

@@ -58,7 +58,8 @@ pub fn memory_needs(device: &Device, scene: &Scene, plan: &Plan, settings: &Sett
     let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
     let rest = [("textures", textures), ("the image", image), ("batches", FRAME)];
-    all.extend(rest.map(|(used_for, bytes)| Need { used_for, bytes, largest: bytes, allowed: u64::MAX }));
+    // These are many, none of them large beside the device's limits.
+    all.extend(rest.map(|(used_for, bytes)| Need { used_for, bytes, largest: 0, allowed: u64::MAX }));
     all.retain(|need| need.bytes > 0);
     all.sort_by_key(|need| std::cmp::Reverse(need.bytes));
     all
@@ -78,7 +79,7 @@ pub fn check(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -
     let needs = memory_needs(device, scene, plan, settings);
     let triangles = scene.triangles.len();
     let leave_out = if plan.levels { ", or leave their levels of detail out (--lod-error 0)" } else { "" };
-    let allowed = |need: &Need| need.allowed.min(device.capabilities.max_allocation.max(FRAME));
+    let allowed = |need: &Need| need.allowed.min(device.capabilities.max_allocation);
     if let Some(need) = needs.iter().find(|need| need.largest > allowed(need)) {
         let remedy = match need.used_for {
             "surface radiance" | "surface cells" => ", or their surface to fewer cells (--surface-cells)",

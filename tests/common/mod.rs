@@ -9,7 +9,7 @@ pub mod program;
 
 pub use hemicube::scene::build::{self, Builder, look, look_parallel};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3, vec3};
 use hemicube::image::Picture;
 use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
 use hemicube::passes::resolve::Plane;
@@ -58,6 +58,19 @@ pub fn check_complete(rendered: &Rendered) {
         let bare = mask.iter().zip(records).filter(|(mask, records)| **mask == 1.0 && **records < 1.0).count();
         assert_eq!(bare, 0, "pixels without a record");
     }
+}
+
+/// Factors of a light's red, green and blue, so that mixed-up channels show.
+pub const TINT: [f64; 3] = [1.0, 2.0, 0.5];
+
+/// A value in that tint.
+pub fn tinted(value: f32) -> Vec3 {
+    value * vec3(1.0, 2.0, 0.5)
+}
+
+/// Whether a point lies above the square of that half width about the origin, or below.
+pub fn inside(p: DVec3, half: f64) -> bool {
+    p.x.abs() <= half && p.z.abs() <= half
 }
 
 /// All layers of a small square image of a small scene.

@@ -29,8 +29,13 @@ pub fn needs(device: &Device, scene: &Scene, cells: u32, detail: Option<Detail>,
     let cells = cells::count(scene, cells);
     let has_levels = detail == Some(Detail::Levels);
     // Simplified by halves, a surface's levels have as many triangles as itself. Their clusters are not quite full.
-    let drawn = if has_levels { triangles * 9 / 4 } else { triangles };
     let coarse = if has_levels { triangles } else { 0 };
+    let in_tree = match detail {
+        None => 0,
+        Some(Detail::Exact) => triangles,
+        Some(Detail::Levels) => triangles * 9 / 4,
+    };
+    let with_errors = if has_levels { in_tree } else { 0 };
     let mut all = Vec::new();
     let mut need = |used_for, buffers: &[u64], allowed| {
         let (bytes, largest) = (buffers.iter().sum(), buffers.iter().copied().max().unwrap_or(0));
@@ -50,7 +55,6 @@ pub fn needs(device: &Device, scene: &Scene, cells: u32, detail: Option<Detail>,
         need("linked triangles", &[48 * triangles.next_multiple_of(u64::from(TRIANGLES_IN_ROW))], rows);
     }
     let unshared = if device.capabilities.primitive_id { 0 } else { triangles };
-    let [in_tree, with_errors] = [(detail.is_some(), drawn), (has_levels, drawn)].map(|(is, n)| if is { n } else { 0 });
     let corners = 48 * in_tree.next_multiple_of(u64::from(super::CLUSTER));
     need("capture corners", &[36 * unshared, 12 * unshared, corners], texels);
     need("cluster bounds", &[triangles / 4, in_tree * 32 / 7, with_errors * 8 / 7], texels);
