@@ -105,7 +105,8 @@ pub fn render(
     let lights = build_lights(device, sets, &ground, pixels, plan.captures && settings.bounces > 0)?;
     // What it reflects.
     let counts_records = settings.planes.contains(&Plane::Records);
-    let features = Features { sky: sky.as_ref(), in_compute: plan.compute, counts_records };
+    let features =
+        Features { sky: sky.as_ref(), in_compute: plan.compute, counts_records, counts_work: settings.counts_work };
     let new_cache = || IrradianceCache::new(device, &ground, &gbuffer.targets, features, settings.cache);
     let cache = plan.captures.then(new_cache).transpose()?;
     // The image.

@@ -69,3 +69,28 @@ fn a_contrast_that_nothing_exceeds_changes_no_bit() {
     assert_eq!(with.cache, without.cache);
     assert_same_bits(&with.picture, &without.picture, "contrast 10⁴");
 }
+
+/// Records of coarse captures disagree by the captures' own error: what that alone asks for are records for nothing.
+#[test]
+fn coarse_captures_are_not_asked_for_what_they_cannot_tell() {
+    let scene = hemicube::scene::cornell();
+    // At 8² texels a contrast of C is told from 4·C on; C/4 is what records would be put for if captures were taken for exact.
+    let [never, usual, taken_for_exact] = [0.0, 0.15, 0.15 / 4.0].map(|contrast| {
+        let mut settings = settings(contrast);
+        settings.cache.capture_size = 8;
+        draw(&scene, &scene.cameras[0], &settings).cache.records as f64
+    });
+    eprintln!("{never} records, {usual} by contrast, {taken_for_exact} if captures were exact");
+    assert!(usual < 1.02 * never && taken_for_exact > 1.1 * never);
+}
+
+/// From 32² texels on the contrast is what it says.
+#[test]
+fn fine_captures_are_asked_for_the_contrast_itself() {
+    let told = |size: u32| {
+        let mut cache = settings(0.15).cache;
+        cache.capture_size = size;
+        cache.told_contrast()
+    };
+    assert_eq!([8, 16, 32, 64, 256].map(told), [0.6, 0.3, 0.15, 0.15, 0.15]);
+}

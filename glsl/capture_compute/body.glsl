@@ -15,6 +15,7 @@ layout(constant_id = 3) const uint HAS_TRANSLATION = 1;  // planes are wanted
 layout(constant_id = 4) const uint IS_DISC = 0;
 layout(constant_id = 5) const uint HAS_LEVELS = 0;
 layout(constant_id = 6) const uint THREADS = 64;  // a multiple of the tree's children
+layout(constant_id = 7) const uint COUNTS = 0;  // triangles that are drawn
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1) uniform textureBuffer boxes;   // of the tree's nodes, level by level: low, high
@@ -27,6 +28,7 @@ layout(set = 0, binding = 7, std430) buffer Gathered { vec4 gathered[]; };  // l
 layout(set = 0, binding = 8) uniform textureBuffer disc;  // of each texel: its direction, its place in the square (bits)
 layout(set = 0, binding = 9, std430) readonly buffer ShownCell { uint shown_cell[]; };  // of each coarse one
 layout(set = 0, binding = 10) uniform textureBuffer errors;  // of nodes from clusters on: two boxes, w of high: error
+layout(set = 0, binding = 11, std430) buffer Count { uint count[2]; };
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     float allowed_error;  // at distance 1
@@ -37,6 +39,7 @@ layout(push_constant) uniform Push {
 } push;
 
 #include "inc/cells.glsl"
+#include "inc/count.glsl"
 #include "inc/gathered.glsl"
 #include "inc/sky.glsl"
 
@@ -126,6 +129,7 @@ void draw(View view, uint texels, uint first) {
         walk.listed = 0;
         meet();
         list_octets(view, walk, LIST - THREADS);
+        if (COUNTS != 0 && me == 0) add_to_count(OCTET * walk.listed);
         for (uint entry = me / OCTET; entry < walk.listed; entry += SIDE_BY_SIDE) {
             uint id = (entry + 1) << PLACE_BITS | me % OCTET;
             Triangle t = load(view, triangle_of(id));

@@ -11,6 +11,7 @@ layout(constant_id = 0) const uint VIEWS = 0;
 layout(constant_id = 1) const uint VIEW_COUNT = 5;
 layout(constant_id = 2) const uint CLEAR_REST = 0;
 layout(constant_id = 3) const uint FAN = 1;  // triangles that one is drawn as
+layout(constant_id = 4) const uint COUNTS = 0;  // triangles that are drawn
 
 struct Draw { uint index_count; uint instance_count; uint first_index; int vertex_offset; uint first_instance; };
 
@@ -19,7 +20,10 @@ layout(set = 0, binding = 1, std430) readonly buffer Clusters { vec4 clusters[];
 layout(set = 0, binding = 2, std430) readonly buffer Ranges { uvec4 ranges[]; };     // first cluster, count, first triangle, end triangle
 layout(set = 0, binding = 3, std430) writeonly buffer Draws { Draw draws[]; };
 layout(set = 0, binding = 4, std430) writeonly buffer Counts { uint counts[]; };
+layout(set = 0, binding = 5, std430) buffer Count { uint count[2]; };
 layout(push_constant) uniform Push { uint frame_count; uint range_count; uint cluster_count; uint cluster_size; } push;
+
+#include "inc/count.glsl"
 
 bool sees(uint view, Frame frame, vec4 sphere) {
     vec3 d = sphere.xyz - frame.origin.xyz;
@@ -45,7 +49,7 @@ void main() {
     uvec4 range = ranges[range_index];
 
     uint first_draw = frame_view * push.cluster_count + range.x;
-    uint written = 0, run = 0;
+    uint written = 0, run = 0, drawn = 0;
     for (uint c = 0; c <= range.y; ++c) {
         bool seen = c < range.y && sees(view, frame, clusters[range.x + c]);
         if (seen) {
@@ -54,11 +58,13 @@ void main() {
             uint begin = range.z + (c - run) * push.cluster_size;
             uint end = min(range.z + c * push.cluster_size, range.w);
             draws[first_draw + written] = Draw(3 * FAN * (end - begin), 1, 3 * FAN * begin, 0, begin);
+            drawn += end - begin;
             ++written;
             run = 0;
         }
     }
     counts[job] = written;
+    if (COUNTS != 0) add_to_count(drawn);
     if (CLEAR_REST != 0)
         for (uint c = written; c < range.y; ++c) draws[first_draw + c] = Draw(0, 0, 0, 0, 0);
 }

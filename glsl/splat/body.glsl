@@ -10,6 +10,7 @@ layout(constant_id = 1) const uint HAS_GRADIENTS = 1;
 layout(constant_id = 2) const uint WEIGHT = 0;        // 0 bounded (Tabellion and Lamorlette 2004), 1 Ward 1988
 layout(constant_id = 3) const uint SEEN_SIZE = 0;     // texels a side of the hemicubes that tell what a record sees; 0: not asked
 layout(constant_id = 4) const uint SEEN_STRIDE = 1;   // values of a texel
+layout(constant_id = 5) const uint COUNTS_FRAGMENTS = 0;  // in the tally, those too that add nothing
 
 layout(set = 0, binding = 0, std430) readonly buffer Records { Record records[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Payloads { Payload payloads[]; };
@@ -25,7 +26,7 @@ layout(location = 0) out vec4 sum;
 layout(location = 1) out vec4 sky_sum;
 #endif
 #ifdef COUNTED
-layout(location = COUNTED) out vec4 tally;  // number of records, Σ w·L and Σ w·L² of what they say, L its luminance
+layout(location = COUNTED) out vec4 tally;  // number of records, Σ w·L and Σ w·L² of what they say, L its luminance; fragments
 #endif
 
 vec3 extrapolated(Payload p, vec3 turn, vec3 offset) {
@@ -43,20 +44,24 @@ vec3 extrapolated(Payload p, vec3 turn, vec3 offset) {
     return e;
 }
 
-void main() {
-    vec4 surface = texelFetch(gbuffer_position, ivec2(gl_FragCoord.xy), 0);
-    Record record = records[record_index];
-    vec3 offset = surface.xyz - record.position.xyz;
-    float distance2 = dot(offset, offset), radius = record.position.w;
-    if (surface.w != 1.0 || distance2 >= radius * radius) discard;
+// The weight of what is rejected: such a fragment is done, but where it counts.
+float rejected() {
+    if (COUNTS_FRAGMENTS == 0) discard;
+    return 0.0;
+}
 
-    vec3 n = oct_decode(texelFetch(gbuffer_normals, ivec2(gl_FragCoord.xy), 0).x);
+// Weight of a record at the fragment's surface, whose normal is n.
+float weight(Record record, vec4 surface, vec3 offset, out vec3 n) {
+    float distance2 = dot(offset, offset), radius = record.position.w;
+    if (surface.w != 1.0 || distance2 >= radius * radius) return rejected();
+
+    n = oct_decode(texelFetch(gbuffer_normals, ivec2(gl_FragCoord.xy), 0).x);
     vec3 nk = record.normal.xyz;
-    if (dot(n, nk) <= 0.0) discard;
+    if (dot(n, nk) <= 0.0) return rejected();
     // 1 − n·n_k = ½‖n − n_k‖², without the cancellation.
     float bend = length(n - nk) * 0.70710678;
     // In front of the record's surface the record may not see what lights the pixel (Ward 1988).
-    if (dot(offset, n + nk) * 0.5 < -0.1 * radius) discard;
+    if (dot(offset, n + nk) * 0.5 < -0.1 * radius) return rejected();
 
     float w;
     if (WEIGHT == 0) {
@@ -64,9 +69,27 @@ void main() {
     } else {
         w = 1.0 / max(sqrt(distance2) / radius * push.accuracy + bend, 1e-6) - 1.0 / push.accuracy;
     }
-    if (w <= 0.0) discard;
-    if (SEEN_SIZE != 0 && hidden(record_index, offset)) discard;
-    vec3 turn = cross(nk, n);
+    if (w <= 0.0) return rejected();
+    if (SEEN_SIZE != 0 && hidden(record_index, offset)) return rejected();
+    return w;
+}
+
+void main() {
+    vec4 surface = texelFetch(gbuffer_position, ivec2(gl_FragCoord.xy), 0);
+    Record record = records[record_index];
+    vec3 offset = surface.xyz - record.position.xyz, n;
+    float w = weight(record, surface, offset, n);
+    if (COUNTS_FRAGMENTS != 0 && w == 0.0) {
+        sum = vec4(0.0);
+#ifdef SKY
+        sky_sum = vec4(0.0);
+#endif
+#ifdef COUNTED
+        tally = vec4(0.0, 0.0, 0.0, 1.0);
+#endif
+        return;
+    }
+    vec3 turn = cross(record.normal.xyz, n);
     sum = vec4(w * extrapolated(payloads[(HAS_SKY + 1) * record_index], turn, offset), w);
 #ifdef SKY
     sky_sum = vec4(w * extrapolated(payloads[2 * record_index + 1], turn, offset), w);
@@ -77,6 +100,6 @@ void main() {
     said += sky_sum.rgb;
 #endif
     float luminance = dot(said, vec3(0.2126, 0.7152, 0.0722));  // times w
-    tally = vec4(1.0, luminance, luminance * (luminance / w), 0.0);
+    tally = vec4(1.0, luminance, luminance * (luminance / w), 1.0);
 #endif
 }

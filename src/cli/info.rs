@@ -108,5 +108,10 @@ fn describe_rates(rates: &Rates) {
     println!("   measured  {} triangles × views captured", millions(rates.triangle_views));
     println!("   measured  {} fragments splatted", millions(rates.blended_fragments));
     println!("   measured  {} texels integrated", millions(rates.integrated_texels));
+    if let Some(compute) = rates.compute {
+        println!("   measured  {} triangles × views captured in compute", millions(compute.triangle_views));
+        println!("   measured  {} texels captured in compute", millions(compute.texels));
+        println!("   measured  {} texels integrated after that", millions(compute.integrated_texels));
+    }
     println!("   measured  {:.4} ms for the timestamps and barriers about a pass", rates.timestamp_ms);
 }

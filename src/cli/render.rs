@@ -102,9 +102,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "W", help_heading = "Irradiance cache")]
     coverage: Option<f32>,
     /// New records are put where those of a pixel disagree by more than this, relative to their mean: removes dark or bright
-    /// spots beside edges of the light; 0: they may disagree
+    /// spots beside edges of the light. Captures of N texels a side, below 32, are asked for 32/N times as much, for they err by as
+    /// much themselves. 0: they may disagree
     #[arg(long, value_name = "C", help_heading = "Irradiance cache")]
     contrast: Option<f32>,
+    /// Most records between two looks for pixels that need one; fewer make fewer records in more time. Default: all that a
+    /// round's lattice of pixels needs
+    #[arg(long, value_name = "N", help_heading = "Irradiance cache", hide_short_help = true)]
+    batch: Option<u32>,
     /// √(1 − cos) between normals at which a record's weight has fallen to zero
     #[arg(long, value_name = "X", help_heading = "Irradiance cache", hide_short_help = true)]
     normal_limit: Option<f32>,
@@ -120,6 +125,10 @@ pub struct RenderArgs {
     /// Build and run every part, needed or not (to check that leaving parts out changes no pixel)
     #[arg(long, hide_short_help = true, help_heading = "Device")]
     full_plan: bool,
+    /// Measure what the device does at most, as `hemicube info --measure` does, and show what capturing, integrating and
+    /// splatting did as a share of that
+    #[arg(long, help_heading = "Report")]
+    measure: bool,
     /// Write statistics as JSON: plan, records, times of all passes, memory
     #[arg(long, value_name = "FILE.json", help_heading = "Report")]
     stats: Option<PathBuf>,
@@ -245,6 +254,9 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         Kind::Png => png::write(&args.output, &rendered.picture, "", Look { tone: args.tone, stops: args.exposure })?,
     }
     report.rendered(&rendered, writing.elapsed());
+    if args.measure {
+        report.measure()?;
+    }
     report.finish(&scene, &rendered, &args.output, args.stats.as_deref(), args.trace.as_deref())?;
     Ok(ExitCode::SUCCESS)
 }
@@ -313,6 +325,7 @@ impl RenderArgs {
             CaptureArg::Hemisphere => CaptureMode::Hemisphere,
         };
         cache.seed = self.seed;
+        cache.batch = self.batch;
         let has = |kind| self.gradients == kind || self.gradients == GradientsArg::Both;
         cache.gradients =
             Gradients { rotation: has(GradientsArg::Rotation), translation: has(GradientsArg::Translation) };
@@ -329,6 +342,7 @@ impl RenderArgs {
         set_u32(&mut settings.lights.area_samples, self.light_samples);
         settings.surface_cells = self.surface_cells;
         settings.tessellation = self.tessellate;
+        settings.counts_work = self.measure;
         settings.planes = match kind {
             Kind::Exr => Plane::ALL.into_iter().filter(|p| self.layers.contains(layer_name(*p))).collect(),
             Kind::Png => vec![Plane::Final],

@@ -4,6 +4,7 @@ use super::Ground;
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::{CaptureCompute, Looks};
+use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::integrate::{Captured, CapturedBy};
 use crate::scene::Scene;
@@ -82,6 +83,10 @@ pub struct Captures {
     pub projection: Projection,
     /// Texels a side.
     pub size: u32,
+    /// Texels of a record.
+    pub texels: u32,
+    /// Triangles times views that are drawn of each record without culling; 0 where they are culled, and counted.
+    pub drawn_whole: u32,
     /// Records of a batch.
     pub capacity: u32,
 }
@@ -94,13 +99,15 @@ enum By {
 
 impl Captures {
     /// Builds captures of `size` texels a side; `in_compute` as the plan says, where coarse triangles are wrong by
-    /// `lod_error` texels at most. They see the `sky`, if there is one, and keep `planes` for the translation gradient.
+    /// `lod_error` texels at most. They see the `sky`, if there is one, and keep `planes` for the translation gradient. What they
+    /// draw after culling adds to `drawn`, in triangles times views.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
         in_compute: bool,
         (mode, size, lod_error): (CaptureMode, u32, f32),
         (sky, planes): (Option<&Buffer>, bool),
+        drawn: Option<&Counter>,
     ) -> Result<Self> {
         let (geometry, projection) = (ground.geometry, mode.projection());
         let views = views(projection);
@@ -114,8 +121,17 @@ impl Captures {
             let capacity = u64::from(capacity).min(by_texels).max(1);
             let gathered = Gathered::viewed(device, texels * capacity, kinds)?;
             let capacity = capacity as u32;
-            let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), &looks, capacity)?;
-            return Ok(Self { by: By::Compute(Box::new(capture)), gathered, projection, size, capacity });
+            let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), &looks, capacity, drawn)?;
+            let texels = looks.texels;
+            return Ok(Self {
+                by: By::Compute(Box::new(capture)),
+                gathered,
+                projection,
+                size,
+                texels,
+                drawn_whole: 0,
+                capacity,
+            });
         }
         let desc = CaptureDesc {
             name: "capture",
@@ -125,11 +141,12 @@ impl Captures {
             identity: true,
             culled: pays_to_cull(device, geometry.triangle_count),
         };
-        let capture = Capture::new(device, ground.scene, geometry, ground.textures, desc)?;
+        let capture = Capture::counted(device, ground.scene, geometry, ground.textures, desc, drawn)?;
         let capacity = capture.desc.capacity;
-        let texels = projection.table(size).texels.len() as u64;
-        let gathered = Gathered::plain(device, texels * u64::from(capacity), kinds)?;
-        Ok(Self { by: By::Render(Box::new(capture)), gathered, projection, size, capacity })
+        let texels = projection.table(size).texels.len() as u32;
+        let gathered = Gathered::plain(device, u64::from(texels) * u64::from(capacity), kinds)?;
+        let drawn_whole = if capture.is_culled() { 0 } else { geometry.triangle_count * views.count() };
+        Ok(Self { by: By::Render(Box::new(capture)), gathered, projection, size, texels, drawn_whole, capacity })
     }
 
     /// Frames to look from.

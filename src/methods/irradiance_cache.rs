@@ -3,6 +3,7 @@
 
 use super::Ground;
 use super::captures::{CaptureMode, Captures};
+use super::work::{Meter, Work};
 use crate::math::capture::Projection;
 use crate::passes::clamp_records::{ClampRecords, Reach};
 use crate::passes::find_uncovered::{FindUncovered, Lattice, Need};
@@ -17,6 +18,8 @@ use std::sync::Arc;
 
 /// Smallest radius of a zone of influence in pixels: a record covers its neighbours, whatever the settings.
 const SMALLEST_RADIUS: f32 = 2.0;
+/// Texels a side from which captures tell the usual [`CacheSettings::contrast`] from their own error.
+pub const CONTRAST_SIZE: f32 = 32.0;
 /// First lattice's distance between pixels.
 const COARSEST: u32 = 32;
 
@@ -49,13 +52,27 @@ pub struct CacheSettings {
     pub hidden: bool,
     /// Zones of new records are clamped by those of their neighbours.
     pub clamped: bool,
-    /// Relative standard deviation of what the records of a pixel say above which they are too few; 0: never.
+    /// Relative standard deviation of what the records of a pixel say above which they are too few; 0: never. Coarse captures
+    /// do not tell as little: [`Self::told_contrast`].
     pub contrast: f32,
+    /// Most records between two looks for pixels that need one; none: all that a lattice needs.
+    pub batch: Option<u32>,
     /// Seed of the hemicubes' turns.
     pub seed: u32,
 }
 
 impl CacheSettings {
+    /// The contrast from which records of captures of this size can be told to disagree: c · max(1, [`CONTRAST_SIZE`]/N) with N
+    /// texels a side.
+    ///
+    /// A texel counts as a whole for what its centre sees, so that a sum over texels is wrong where a border passes. A border
+    /// passes about N texels, each of which is wrong by a share of its weight, and that falls as 1/N²: together N/N² = 1/N, the
+    /// order that the stability suite finds. Records of coarse captures disagree by that without being too few. Finer ones could
+    /// be asked for less than c, but c is what matters of a disagreement that more records do remove.
+    pub fn told_contrast(&self) -> f32 {
+        self.contrast * (CONTRAST_SIZE / self.capture_size as f32).max(1.0)
+    }
+
     /// Whether captures tell what is hidden, and are asked to.
     pub fn rejects_hidden(&self) -> bool {
         self.hidden && self.capture.projection() == Projection::Hemicube
@@ -78,6 +95,8 @@ pub struct CacheStats {
     pub records: u64,
     /// Rounds that found something to do.
     pub rounds: u32,
+    /// What its passes did, if that was counted.
+    pub work: Option<Work>,
 }
 
 /// What a scene makes of the cache.
@@ -89,6 +108,8 @@ pub struct Features<'a> {
     pub in_compute: bool,
     /// The number of records of each pixel is kept.
     pub counts_records: bool,
+    /// What the passes do is counted.
+    pub counts_work: bool,
 }
 
 /// Passes and buffers of the cache.
@@ -101,6 +122,7 @@ pub struct IrradianceCache {
     clamp: Option<ClampRecords>,
     /// Smallest radius of a zone in pixels.
     min_radius: f32,
+    meter: Option<Meter>,
     /// Splats and their sums.
     pub splat: Splat,
     _records: Buffer,
@@ -117,20 +139,24 @@ impl IrradianceCache {
         settings: CacheSettings,
     ) -> Result<Self> {
         let geometry = ground.geometry;
-        let Features { sky, in_compute, counts_records } = features;
+        let Features { sky, in_compute, counts_records, counts_work } = features;
+        let meter = || Meter::new(device, gbuffer.position.desc.size);
+        let meter = counts_work.then(meter).transpose()?;
         let captures = Captures::new(
             device,
             ground,
             in_compute,
             (settings.capture, settings.capture_size, settings.lod_error),
             (sky, settings.gradients.translation),
+            meter.as_ref().map(|meter| &meter.drawn),
         )?;
         let capacity = captures.capacity;
         let records = u64::from(capacity) * size_of::<Record>() as u64;
         let records = Buffer::new(device, "records", records, Memory::Device)?;
         let payloads = u64::from(capacity) * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
         let payloads = Buffer::new(device, "records", payloads, Memory::Device)?;
-        let outputs = Outputs { sky: sky.is_some(), tally: counts_records || settings.contrast > 0.0 };
+        let tally = counts_records || counts_work || settings.contrast > 0.0;
+        let outputs = Outputs { sky: sky.is_some(), tally, fragments: counts_work };
         let both = (&records, &payloads);
         let has_gradients = settings.gradients.rotation || settings.gradients.translation;
         let height = gbuffer.position.desc.size[1] as f32;
@@ -154,7 +180,7 @@ impl IrradianceCache {
         let clamp = || ClampRecords::new(device, gbuffer, &find.found, both, sky.is_some(), reach);
         let clamp = settings.clamped.then(clamp).transpose()?;
         let (_records, _payloads) = (records, payloads);
-        Ok(Self { settings, captures, find, place, integrate, clamp, min_radius, splat, _records, _payloads })
+        Ok(Self { settings, captures, find, place, integrate, clamp, min_radius, meter, splat, _records, _payloads })
     }
 
     /// Fills the cache until every pixel is covered. `progress` hears the records so far and the share of rounds done.
@@ -170,6 +196,9 @@ impl IrradianceCache {
         recorder.submit(|recording| {
             recording.pass("splat", |c| {
                 self.splat.record_clear(c);
+                if let Some(meter) = &self.meter {
+                    meter.drawn.record_clear(c);
+                }
                 Ok(())
             })?;
             if let Some(clamp) = &self.clamp {
@@ -180,12 +209,25 @@ impl IrradianceCache {
             }
             self.find(recording, lattices[0])
         })?;
-        for (index, next) in lattices.iter().skip(1).map(Some).chain([None]).enumerate() {
-            let found = self.find.count();
-            stats.rounds += u32::from(found > 0);
-            stats.records += u64::from(found);
-            self.round(recorder, ground, viewpoint, found, next.copied())?;
+        for (index, lattice) in lattices.iter().enumerate() {
+            let mut left = self.find.count();
+            stats.rounds += u32::from(left > 0);
+            loop {
+                // A pixel may be found again, as its records go on to disagree: no more are put than there were pixels.
+                let found = self.find.count().min(left).min(self.settings.batch.unwrap_or(u32::MAX));
+                left = if found == 0 { 0 } else { left - found };
+                let next = if left > 0 { Some(lattice) } else { lattices.get(index + 1) };
+                self.round(recorder, ground, viewpoint, found, next.copied())?;
+                stats.records += u64::from(found);
+                if left == 0 {
+                    break;
+                }
+            }
             progress(stats.records, (index + 1) as f32 / lattices.len() as f32);
+        }
+        if let Some(meter) = &self.meter {
+            let Captures { texels, drawn_whole, .. } = self.captures;
+            stats.work = Some(meter.read(recorder, &self.splat, stats.records, (texels, drawn_whole))?);
         }
         Ok(stats)
     }
@@ -199,9 +241,9 @@ impl IrradianceCache {
 
     /// Where records disagree, smaller ones are put between them: as long as the lattice is no finer than their zones.
     fn need(&self, lattice: Lattice) -> Need {
-        let CacheSettings { covered, contrast, .. } = self.settings;
-        let refines = lattice.stride as f32 >= self.min_radius;
-        Need { covered, contrast: if refines { contrast } else { 0.0 } }
+        let refines = (lattice.stride / 2) as f32 >= self.min_radius;
+        let contrast = if refines { self.settings.told_contrast() } else { 0.0 };
+        Need { covered: self.settings.covered, contrast }
     }
 
     /// Captures and splats what was found, a submission a batch; the last one looks for the next round's pixels.
@@ -262,19 +304,27 @@ impl IrradianceCache {
     }
 }
 
-/// Lattices from coarse to fine: each level adds three lattices between the pixels of those before it, one at a time, so
-/// that each sees what the others covered. Together they hold every pixel exactly once.
+/// Lattices from coarse to fine: each level adds three between the pixels of those before it, each in four parts of every
+/// second pixel of every second row. One at a time, so that each sees what the others covered: a zone that reaches the next
+/// pixel of its lattice leaves that without a record, as if records were put one by one. Together they hold every pixel exactly
+/// once.
 fn lattices() -> Vec<Lattice> {
-    let mut all = vec![Lattice { stride: COARSEST, offset: [COARSEST / 2; 2] }];
+    let mut all = quarters(COARSEST, [COARSEST / 2; 2]);
     let (mut stride, mut base) = (COARSEST, COARSEST / 2);
     while stride > 1 {
         let half = stride / 2;
         for [dx, dy] in [[half, half], [half, 0], [0, half]] {
-            all.push(Lattice { stride, offset: [(base + dx) % stride, (base + dy) % stride] });
+            all.extend(quarters(stride, [(base + dx) % stride, (base + dy) % stride]));
         }
         (stride, base) = (half, base % half.max(1));
     }
     all
+}
+
+/// Every `spacing`-th pixel of every `spacing`-th row, as four lattices of twice that.
+fn quarters(spacing: u32, [x, y]: [u32; 2]) -> Vec<Lattice> {
+    let quarter = |[dx, dy]: [u32; 2]| Lattice { stride: 2 * spacing, offset: [x + dx * spacing, y + dy * spacing] };
+    [[0, 0], [1, 1], [1, 0], [0, 1]].map(quarter).to_vec()
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ pub mod light_samples;
 pub mod probes;
 pub mod rates;
 mod sky;
+pub mod work;
 
 pub use sky::upload_sky;
 

@@ -129,6 +129,7 @@ impl<'a> Probes<'a> {
             in_compute,
             (settings.capture, size, 0.0),
             (sky.as_ref(), settings.gradients.translation),
+            None,
         )?;
         let capacity = captures.capacity;
         let buffer = |bytes: usize, memory| Buffer::new(device, "records", u64::from(capacity) * bytes as u64, memory);

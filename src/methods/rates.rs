@@ -4,11 +4,14 @@
 //! nothing is hidden or culled. What a real scene needs of a pass, divided by these rates, is the least time it can take.
 
 use super::Ground;
+use super::captures::{CaptureMode, Captures};
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views};
+use crate::passes::capture_compute::CaptureCompute;
+use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::gbuffer::GBuffer;
-use crate::passes::geometry::Geometry;
+use crate::passes::geometry::{Detail, Geometry};
 use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits, Radius};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
 use crate::scene::Scene;
@@ -21,10 +24,14 @@ use std::sync::Arc;
 
 /// Rings of the sphere, of twice as many quads each: 4 n (n − 1) triangles, 19,320.
 const RINGS: u32 = 70;
+/// Rings of a sphere that is next to nothing but texels: 24 triangles.
+const FEW_RINGS: u32 = 3;
 /// Texels a side of a hemicube, as in the default settings.
 const CAPTURE_SIZE: u32 = 32;
 /// Hemicubes of a batch.
 const CAPTURES: u32 = 16;
+/// Hemicubes of a batch in compute.
+const CAPTURES_IN_COMPUTE: u32 = 64;
 /// Pixels a side of the image that splats cover.
 const IMAGE: u32 = 512;
 /// Splats, each over the whole image.
@@ -43,14 +50,27 @@ pub struct Rates {
     pub blended_fragments: f64,
     /// Texels of captures in a second that are looked up, weighed and summed, gradients included.
     pub integrated_texels: f64,
+    /// Captures in compute, where they fit the device.
+    pub compute: Option<ComputeRates>,
     /// What one pair of timestamps with its barriers costs, in milliseconds.
     pub timestamp_ms: f64,
+}
+
+/// Rates of captures in compute, 32 × 32 texels a view.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ComputeRates {
+    /// Triangles times views that are drawn in a second where triangles are as small as texels.
+    pub triangle_views: f64,
+    /// Texels that are cleared, drawn and looked up in a second where triangles are few.
+    pub texels: f64,
+    /// As [`Rates::integrated_texels`], but for the look-up, which is the capture's.
+    pub integrated_texels: f64,
 }
 
 impl Rates {
     /// Measures `device`: well below a second on a GPU, a few seconds on a CPU.
     pub fn measure(device: &Arc<Device>) -> Result<Self> {
-        let scene = sphere();
+        let scene = sphere(RINGS);
         let geometry = Geometry::new(device, &scene, 1, None)?;
         let ground = Ground { scene: &scene, geometry: &geometry, textures: None };
         let mut stopwatch = Stopwatch { recorder: Recorder::new(device) };
@@ -59,6 +79,7 @@ impl Rates {
             triangle_views,
             blended_fragments: splats(device, &ground, &mut stopwatch)?,
             integrated_texels,
+            compute: compute(device, &mut stopwatch)?,
             timestamp_ms: stopwatch.empty_pass()?,
         })
     }
@@ -94,6 +115,47 @@ impl Stopwatch {
     }
 }
 
+/// Rates of captures in compute; none where they do not fit the device.
+fn compute(device: &Arc<Device>, stopwatch: &mut Stopwatch) -> Result<Option<ComputeRates>> {
+    if CaptureCompute::misfit(device, &sphere(RINGS), Projection::Hemicube, CAPTURE_SIZE).is_some() {
+        return Ok(None);
+    }
+    let [fine, coarse] = [RINGS, FEW_RINGS].map(|rings| compute_on(device, &sphere(rings), stopwatch));
+    let (fine, coarse) = (fine?, coarse?);
+    Ok(Some(ComputeRates { texels: coarse.texels, ..fine }))
+}
+
+fn compute_on(device: &Arc<Device>, scene: &Scene, stopwatch: &mut Stopwatch) -> Result<ComputeRates> {
+    let geometry = Geometry::new(device, scene, 1, Some(Detail::Exact))?;
+    let ground = Ground { scene, geometry: &geometry, textures: None };
+    let drawn = Counter::new(device)?;
+    let looks = (CaptureMode::Compute, CAPTURE_SIZE, 0.0);
+    let captures = Captures::new(device, &ground, true, looks, (None, true), Some(&drawn))?;
+    let count = captures.capacity.min(CAPTURES_IN_COMPUTE);
+    captures.frames().upload(&vec![upwards(); count as usize])?;
+    let seconds = stopwatch.seconds(|recording| {
+        recording.pass("clear", |c| {
+            drawn.record_clear(c);
+            Ok(())
+        })?;
+        captures.record(recording, &ground, count)
+    })?;
+    // What was counted is asked for apart: the last pass of a submission is the one that is timed.
+    stopwatch.recorder.submit(|recording| {
+        recording.pass("readback", |c| {
+            drawn.record_readback(c);
+            Ok(())
+        })
+    })?;
+    let texels = f64::from(captures.texels) * f64::from(count);
+    let integrated = integrated(device, &geometry, &captures.captured(), count, stopwatch)?;
+    Ok(ComputeRates {
+        triangle_views: rate(drawn.read() as f64, seconds),
+        texels: rate(texels, seconds),
+        integrated_texels: rate(texels, integrated),
+    })
+}
+
 fn rate(work: f64, seconds: Option<f64>) -> f64 {
     seconds.map_or(0.0, |seconds| work / seconds)
 }
@@ -115,23 +177,33 @@ fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch
     let drawn = f64::from(ground.geometry.triangle_count) * f64::from(views.count() * count);
     let triangle_views = rate(drawn, seconds);
 
-    let records = Buffer::new(device, "records", u64::from(count) * size_of::<Record>() as u64, Memory::Device)?;
-    let payloads = Buffer::new(device, "records", u64::from(count) * size_of::<Payload>() as u64, Memory::Device)?;
     let projection = Projection::Hemicube;
     let texels = projection.table(CAPTURE_SIZE).texels.len() as u64 * u64::from(count);
     let gathered = Gathered::plain(device, texels, Kinds { sky: false, planes: true })?;
     let captured = Captured { by: CapturedBy::Render(&capture), gathered: &gathered, projection, size: CAPTURE_SIZE };
+    let seconds = integrated(device, ground.geometry, &captured, count, stopwatch)?;
+    Ok((triangle_views, rate(texels as f64, seconds)))
+}
+
+/// Least time to integrate `count` captures, in seconds.
+fn integrated(
+    device: &Arc<Device>,
+    geometry: &Geometry,
+    captured: &Captured<'_>,
+    count: u32,
+    stopwatch: &mut Stopwatch,
+) -> Result<Option<f64>> {
+    let records = Buffer::new(device, "records", u64::from(count) * size_of::<Record>() as u64, Memory::Device)?;
+    let payloads = Buffer::new(device, "records", u64::from(count) * size_of::<Payload>() as u64, Memory::Device)?;
     let quantities = (Gradients { rotation: true, translation: true }, Radius::Hessian);
     let limits = Limits { accuracy: 0.3, min_radius: 1.0, max_radius: 2.0, scene_radius: 1.0 };
-    let integrate =
-        Integrate::new(device, ground.geometry, &captured, (&records, &payloads), None, quantities, limits)?;
-    let seconds = stopwatch.seconds(|recording| {
+    let integrate = Integrate::new(device, geometry, captured, (&records, &payloads), None, quantities, limits)?;
+    stopwatch.seconds(|recording| {
         recording.pass("integrate", |c| {
             integrate.record(c, count);
             Ok(())
         })
-    })?;
-    Ok((triangle_views, rate(texels as f64, seconds)))
+    })
 }
 
 /// Blended fragments in a second.
@@ -145,7 +217,7 @@ fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) 
     };
     let records = Buffer::with_data(device, "records", &vec![place; SPLATS as usize])?;
     let payloads = Buffer::with_data(device, "records", &vec![Payload::default(); SPLATS as usize])?;
-    let outputs = Outputs { sky: false, tally: false };
+    let outputs = Outputs { sky: false, tally: false, fragments: false };
     let splat = Splat::new(device, &gbuffer.targets, (&records, &payloads), outputs, true, Weight::Bounded, None)?;
     // From the centre along −z, 90° wide, reversed depth.
     let near = 1e-3;
@@ -182,9 +254,9 @@ fn upwards() -> Frame {
 }
 
 /// The unit sphere, facing in.
-fn sphere() -> Scene {
+fn sphere(rings: u32) -> Scene {
     let mut builder = Builder::default();
     let grey = builder.material(diffuse(0.5));
-    builder.sphere(grey, Vec3::ZERO, 1.0, RINGS, Facing::In);
+    builder.sphere(grey, Vec3::ZERO, 1.0, rings, Facing::In);
     builder.build()
 }

@@ -6,6 +6,7 @@
 
 mod pipelines;
 
+use super::counter::Counter;
 use super::cull::Cull;
 use super::fan_on;
 use super::geometry::{DrawRange, Geometry};
@@ -127,6 +128,18 @@ impl Capture {
         textures: Option<&Textures>,
         desc: CaptureDesc,
     ) -> Result<Self> {
+        Self::counted(device, scene, geometry, textures, desc, None)
+    }
+
+    /// The same; what culling leaves, triangles times views, adds to `drawn`.
+    pub fn counted(
+        device: &Arc<Device>,
+        scene: &Scene,
+        geometry: &Geometry,
+        textures: Option<&Textures>,
+        desc: CaptureDesc,
+        drawn: Option<&Counter>,
+    ) -> Result<Self> {
         let (culled, fan) = (desc.culled, fan(device, desc.views));
         let (desc, columns, size) = layout_tiles(device, geometry, desc)?;
         let (identity, depth) = targets(device, &desc, size)?;
@@ -138,8 +151,9 @@ impl Capture {
         let frames = Buffer::new(device, "capture frames", frame_bytes, Memory::Device)?;
         let frames_layout = SetLayout::of(device, &[Binding::Storage(&frames)])?;
         let frames_set = DescriptorSet::new(&frames_layout, &[Binding::Storage(&frames)])?;
-        let cull =
-            culled.then(|| Cull::new(device, geometry, &frames, (desc.views, fan), desc.capacity)).transpose()?;
+        let cull = culled
+            .then(|| Cull::new(device, geometry, &frames, (desc.views, fan), desc.capacity, drawn))
+            .transpose()?;
         let counts_corners = fan > 1 || geometry.ranges.iter().any(|r| r.masked.is_some());
         let corners = || (0..geometry.triangle_count * 3 * fan).collect::<Vec<_>>();
         let corners = || Buffer::with_data(device, "corner indices", &corners());

@@ -6,6 +6,7 @@
 //! or a 64th of the triangle's side.
 
 use super::cluster_tree::{ClusterTree, MOST_LEVELS};
+use super::counter::Counter;
 use super::gathered::{Gathered, Kinds};
 use super::geometry::Geometry;
 use crate::math::capture::{Projection, Texel};
@@ -93,13 +94,14 @@ impl CaptureCompute {
     }
 
     /// Captures up to `capacity` times what `looks` says, of the triangles in `tree`, into `gathered`; `sky` where that keeps
-    /// it.
+    /// it. What is drawn, triangles times views by octets, adds to `drawn`.
     pub fn new(
         device: &Arc<Device>,
         (geometry, tree): (&Geometry, &ClusterTree),
         (gathered, sky): (&Gathered, Option<&Buffer>),
         looks: &Looks,
         capacity: u32,
+        drawn: Option<&Counter>,
     ) -> Result<Self> {
         let (size, is_disc) = (looks.size, looks.disc.is_some());
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
@@ -119,6 +121,7 @@ impl CaptureCompute {
             Binding::TexelBuffer(disc.as_ref().unwrap_or(&tree.corners)),
             Binding::Storage(tree.shown_cell.as_ref().unwrap_or(&geometry.first_cell)),
             Binding::TexelBuffer(tree.errors.as_ref().unwrap_or(&tree.boxes)),
+            Binding::Storage(drawn.map_or(&frames, Counter::buffer)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
@@ -142,7 +145,8 @@ impl CaptureCompute {
             }
             _ => (THREADS, spirv!("capture_compute", "workgroup.comp")),
         };
-        let constants = Specialisation([size].into_iter().chain(flags).chain([threads]).collect());
+        let constants =
+            Specialisation([size].into_iter().chain(flags).chain([threads, u32::from(drawn.is_some())]).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
         let views = if is_disc { 1 } else { 5 };
         Ok(Self { pipeline, set, push, frames, views, _disc: disc, _layout: layout })

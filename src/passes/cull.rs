@@ -1,6 +1,7 @@
 //! Culling: which clusters each view of each frame sees, as indirect draws.
 
 use super::capture::Views;
+use super::counter::Counter;
 use super::geometry::{CLUSTER, Geometry};
 use super::groups;
 use crate::vk::{
@@ -42,13 +43,14 @@ impl Cull {
         u64::from(views.count()) * u64::from(geometry.cluster_count) * DRAW_BYTES
     }
 
-    /// Culls for up to `capacity` of `frames`; each triangle that is seen is drawn as `fan` of them.
+    /// Culls for up to `capacity` of `frames`; each triangle that is seen is drawn as `fan` of them, and adds to `drawn`.
     pub fn new(
         device: &Arc<Device>,
         geometry: &Geometry,
         frames: &Buffer,
         (views, fan): (Views, u32),
         capacity: u32,
+        drawn: Option<&Counter>,
     ) -> Result<Self> {
         let ranges: Vec<[u32; 4]> = geometry
             .ranges
@@ -66,12 +68,14 @@ impl Cull {
             Binding::Storage(&ranges),
             Binding::Storage(&draws),
             Binding::Storage(&counts),
+            // Not written where nothing is counted.
+            Binding::Storage(drawn.map_or(&counts, Counter::buffer)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let clear_rest = u32::from(!device.capabilities.draw_indirect_count);
-        let constants = Specialisation(vec![views.code(), views.count(), clear_rest, fan]);
+        let constants = Specialisation(vec![views.code(), views.count(), clear_rest, fan, u32::from(drawn.is_some())]);
         Ok(Self {
             pipeline: ComputePipeline::new("cull", &pipeline_layout, spirv!("cull", "cull.comp"), &constants)?,
             set,

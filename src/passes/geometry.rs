@@ -7,7 +7,8 @@ mod order;
 pub use cells::count as cell_count;
 pub use needs::{Need, needs};
 
-use super::cluster_tree::{Cells, ClusterTree, Detail};
+pub use super::cluster_tree::Detail;
+use super::cluster_tree::{Cells, ClusterTree};
 use crate::math::{adjacency, levels};
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};

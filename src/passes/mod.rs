@@ -7,6 +7,7 @@ pub mod capture;
 pub mod capture_compute;
 pub mod clamp_records;
 pub mod cluster_tree;
+pub mod counter;
 pub mod cull;
 pub mod find_uncovered;
 pub mod gathered;

@@ -3,7 +3,8 @@
 use super::gbuffer::Targets;
 use crate::vk::{
     Attachment, Binding, Buffer, Commands, DescriptorSet, Device, Framebuffer, GraphicsDesc, GraphicsPipeline, Image,
-    ImageDesc, Load, PipelineLayout, RenderPass, RenderPassDesc, Result, SetLayout, Specialisation, VertexInput, spirv,
+    ImageDesc, Load, Memory, PipelineLayout, RenderPass, RenderPassDesc, Result, SetLayout, Specialisation,
+    VertexInput, spirv,
 };
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -41,6 +42,8 @@ pub struct Outputs {
     pub sky: bool,
     /// [`Sums::tally`], in an attachment of its own.
     pub tally: bool,
+    /// Every fragment in the tally, not only those that add something; wants `tally`.
+    pub fragments: bool,
 }
 
 /// What the records of a batch have seen, for [`Splat`] to reject points that are hidden from them.
@@ -62,7 +65,8 @@ pub struct Sums {
     pub indirect: Image,
     /// Of the sky's irradiance.
     pub sky: Option<Image>,
-    /// Number of records of a pixel, and the weighted sums of the luminance and squared luminance of what they say.
+    /// Number of records of a pixel, the weighted sums of the luminance and squared luminance of what they say, and, where
+    /// they are counted, the number of fragments.
     pub tally: Option<Image>,
 }
 
@@ -109,9 +113,10 @@ impl Splat {
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<View>() as u32)?;
-        let [sky, gradients, ward] = [outputs.sky, gradients, weight == Weight::Ward].map(u32::from);
+        let [sky, gradients, ward, fragments] =
+            [outputs.sky, gradients, weight == Weight::Ward, outputs.fragments].map(u32::from);
         let constants =
-            vec![sky, gradients, ward, seen.map_or(0, |seen| seen.size), seen.map_or(1, |seen| seen.stride)];
+            vec![sky, gradients, ward, seen.map_or(0, |seen| seen.size), seen.map_or(1, |seen| seen.stride), fragments];
         let fragment = match (outputs.sky, outputs.tally) {
             (false, false) => spirv!("splat", "plain.frag"),
             (true, false) => spirv!("splat", "sky.frag"),
@@ -144,6 +149,33 @@ impl Splat {
         self.pipeline.layout.push(commands, view);
         self.pipeline.draw(commands, 4, 0, count);
         self.keep.end(commands);
+    }
+}
+
+/// The tally on the CPU.
+pub struct Tally {
+    readback: Buffer,
+    pixels: usize,
+}
+
+impl Tally {
+    /// Of an image of that size.
+    pub fn new(device: &Arc<Device>, size: [u32; 2]) -> Result<Self> {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        Ok(Self { readback: Buffer::new(device, "read-back", pixels * 16, Memory::Readback)?, pixels: pixels as usize })
+    }
+
+    /// Copies the tally of `splat`, if it has one.
+    pub fn record_readback(&self, commands: &Commands, splat: &Splat) {
+        if let Some(tally) = &splat.sums.tally {
+            commands.copy_image(tally, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, &self.readback);
+        }
+    }
+
+    /// Fragments, and those of them that have a weight; once the read-back has been waited for.
+    pub fn read(&self) -> (u64, u64) {
+        let pixels: Vec<[f32; 4]> = self.readback.read(self.pixels);
+        pixels.iter().fold((0, 0), |(all, weighted), p| (all + p[3] as u64, weighted + p[0] as u64))
     }
 }
 

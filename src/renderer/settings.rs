@@ -38,6 +38,8 @@ pub struct Settings {
     pub planes: Vec<Plane>,
     /// Builds and runs every part, needed or not: what leaving parts out is tested against.
     pub full_plan: bool,
+    /// What the passes of the cache do is counted, for [`Rendered::cache`](super::Rendered::cache).
+    pub counts_work: bool,
 }
 
 impl Default for Settings {
@@ -61,6 +63,7 @@ impl Default for Settings {
                 hidden: true,
                 clamped: true,
                 contrast: 0.15,
+                batch: None,
                 seed: 0,
             },
             lights: LightSettings { area_samples: 64, sky_samples: 128, shadow_size: 256 },
@@ -68,6 +71,7 @@ impl Default for Settings {
             tessellation: None,
             planes: vec![Plane::Final],
             full_plan: false,
+            counts_work: false,
         }
     }
 }
@@ -126,6 +130,7 @@ impl Settings {
         if !(0.0..=1e4).contains(&self.cache.contrast) {
             return Err(error("--contrast", self.cache.contrast, "must be from 0 (records may disagree) to 10000"));
         }
+        range("--batch", self.cache.batch.unwrap_or(1), 1, u32::MAX)?;
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;
         // Three shader stages address pixels by 32 bits.

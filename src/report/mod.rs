@@ -2,6 +2,7 @@
 
 pub mod convergence;
 pub mod csv;
+pub mod limits;
 pub mod profile;
 pub mod progress;
 pub mod stability;

@@ -1,5 +1,6 @@
 //! Times of the passes on the GPU and of the stages on the CPU, as a terminal table.
 
+use super::limits::{self, Share};
 use super::table::{Table, milliseconds, percent};
 use crate::image::metrics::percentile;
 use std::fmt;
@@ -51,8 +52,12 @@ pub struct Profile {
     pub passes: Vec<PassTimes>,
     /// Time on the GPU from the first to the last pass, milliseconds.
     pub gpu_ms: f64,
+    /// Time on the clock while passes were recorded and run, milliseconds.
+    pub run_ms: f64,
     /// Time on the clock from start to end, milliseconds.
     pub wall_ms: f64,
+    /// What passes did beside what the device does at most, where that was measured.
+    pub limits: Vec<Share>,
     /// Stages of the CPU in order, with milliseconds.
     pub cpu_stages: Vec<(String, f64)>,
 }
@@ -65,6 +70,12 @@ impl Profile {
             self.passes.len() - 1
         });
         &mut self.passes[index]
+    }
+
+    /// Share of the time in which passes are recorded and run that the device works: what is missing, it waits for the CPU. None
+    /// without timestamps.
+    pub fn busy(&self) -> Option<f64> {
+        (self.gpu_ms > 0.0 && self.run_ms > 0.0).then(|| self.gpu_ms / self.run_ms)
     }
 
     fn pass_table(&self) -> Table {
@@ -100,11 +111,16 @@ impl fmt::Display for Profile {
         if !self.passes.is_empty() {
             writeln!(out, "{}", self.pass_table())?;
         }
+        if !self.limits.is_empty() {
+            writeln!(out, "{}", limits::table(&self.limits))?;
+        }
         let stages = self.stage_table();
         if !stages.is_empty() {
             writeln!(out, "{stages}")?;
         }
-        writeln!(out, "GPU {} ms, wall clock {} ms", milliseconds(self.gpu_ms), milliseconds(self.wall_ms))
+        let busy =
+            self.busy().map(|busy| format!(", {} of the time that passes run", percent(busy))).unwrap_or_default();
+        writeln!(out, "GPU {} ms{busy}, wall clock {} ms", milliseconds(self.gpu_ms), milliseconds(self.wall_ms))
     }
 }
 
@@ -114,7 +130,7 @@ pub(crate) mod tests {
 
     /// Two passes, one of which ran several times.
     pub(crate) fn sample() -> Profile {
-        let mut profile = Profile { gpu_ms: 20.0, wall_ms: 50.0, ..Profile::default() };
+        let mut profile = Profile { gpu_ms: 20.0, run_ms: 25.0, wall_ms: 50.0, ..Profile::default() };
         profile.pass("gbuffer").gpu_ms.push(2.0);
         for ms in [1.0, 5.0, 3.0, 4.0, 2.0] {
             let capture = profile.pass("capture");
@@ -139,7 +155,7 @@ CPU stage      ms   share
 load scene   12.5  25.0 %
 write EXR   4.000  8.00 %
 
-GPU 20.0 ms, wall clock 50.0 ms
+GPU 20.0 ms, 80.0 % of the time that passes run, wall clock 50.0 ms
 ";
         assert_eq!(sample().to_string(), expected);
     }

@@ -1,5 +1,6 @@
 //! The statistics file (`--stats FILE.json`): what ran, what was left out, times, memory.
 
+use super::limits::Share;
 use super::profile::{PassTimes, Profile};
 use crate::image::write::{WriteError, write_atomic};
 use serde::{Deserialize, Serialize};
@@ -29,6 +30,12 @@ pub struct Stats {
     pub gpu_ms: f64,
     /// Time on the clock from start to end, milliseconds; the median where the run repeats.
     pub wall_ms: f64,
+    /// Share of the time in which passes are recorded and run that the device works.
+    #[serde(default)]
+    pub busy: Option<f64>,
+    /// What passes did beside what the device does at most (`--measure`).
+    #[serde(default)]
+    pub limits: Vec<Share>,
     /// Times of the CPU's stages, in order of execution.
     #[serde(default)]
     pub cpu_stages: Vec<StageStats>,
@@ -130,6 +137,7 @@ impl Stats {
     pub fn set_times(&mut self, profile: &Profile) {
         self.passes = profile.passes.iter().map(PassStats::from).collect();
         (self.gpu_ms, self.wall_ms) = (profile.gpu_ms, profile.wall_ms);
+        (self.busy, self.limits) = (profile.busy(), profile.limits.clone());
         let stage = |(name, ms): &(String, f64)| StageStats { name: name.clone(), ms: *ms };
         self.cpu_stages = profile.cpu_stages.iter().map(stage).collect();
     }

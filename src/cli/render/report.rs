@@ -3,12 +3,15 @@
 use crate::cli::common::TalkArgs;
 use anyhow::Result;
 use hemicube::image::Picture;
+use hemicube::methods::rates::Rates;
 use hemicube::renderer::{Plan, Rendered, Settings};
-use hemicube::report::profile::Profile;
+use hemicube::report::limits::Share;
+use hemicube::report::profile::{PassTimes, Profile};
 use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
 use hemicube::report::trace::Trace;
 use hemicube::scene::Scene;
 use hemicube::vk::{Device, Span};
+use serde_json::json;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -19,12 +22,13 @@ pub struct Report {
     started: Instant,
     device: Arc<Device>,
     stages: Vec<(String, f64)>,
+    rates: Option<Rates>,
 }
 
 impl Report {
     /// A run that began at `started`.
     pub fn new(talk: TalkArgs, started: Instant, device: &Arc<Device>) -> Self {
-        Self { talk, started, device: device.clone(), stages: Vec::new() }
+        Self { talk, started, device: device.clone(), stages: Vec::new(), rates: None }
     }
 
     /// Notes a stage of the CPU.
@@ -71,6 +75,14 @@ impl Report {
         self.stage("write image", writing);
     }
 
+    /// Measures what the device does at most.
+    pub fn measure(&mut self) -> Result<()> {
+        let begun = Instant::now();
+        self.rates = Some(Rates::measure(&self.device)?);
+        self.stage("measure device", begun.elapsed());
+        Ok(())
+    }
+
     /// Prints the table and writes the files.
     pub fn finish(
         &self,
@@ -98,6 +110,15 @@ impl Report {
                 rendered.memory.peak >> 20,
                 output.display()
             );
+            if let Some(work) = rendered.cache.work {
+                let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
+                println!(
+                    "{:.1} fragments of splats a pixel, {:.0} % of them without weight; {} triangles × views a record",
+                    work.fragments as f64 / pixels,
+                    100.0 * (1.0 - work.weighted_fragments as f64 / work.fragments.max(1) as f64),
+                    work.triangle_views / rendered.cache.records.max(1)
+                );
+            }
             if messages > 0 {
                 println!("{messages} validation messages");
             }
@@ -108,6 +129,7 @@ impl Report {
     fn profile(&self, rendered: &Rendered) -> Profile {
         let mut profile = Profile {
             gpu_ms: rendered.submissions.iter().map(length).sum(),
+            run_ms: rendered.stages.iter().filter(|(name, _)| name == "run passes").map(|(_, span)| length(span)).sum(),
             wall_ms: self.started.elapsed().as_secs_f64() * 1e3,
             cpu_stages: self.stages.clone(),
             ..Profile::default()
@@ -117,6 +139,7 @@ impl Report {
             pass.gpu_ms.extend(run.gpu.as_ref().map(length));
             pass.cpu_ms += length(&run.cpu);
         }
+        profile.limits = self.rates.as_ref().map(|rates| limits(rendered, &profile, rates)).unwrap_or_default();
         profile
     }
 
@@ -145,6 +168,11 @@ impl Report {
             gpu_bytes: rendered.memory.peak,
             by_use: rendered.memory.by_use.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)).collect(),
         };
+        if let Some(work) = rendered.cache.work {
+            let work = json!({"triangle_views": work.triangle_views, "texels": work.texels,
+                "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});
+            stats.extra.insert("work".into(), work);
+        }
         stats.validation_messages = u64::from(messages);
         stats.set_times(profile);
         stats
@@ -167,6 +195,23 @@ impl Report {
         }
         trace
     }
+}
+
+/// What the passes of the cache did, beside the device's rates.
+fn limits(rendered: &Rendered, profile: &Profile, rates: &Rates) -> Vec<Share> {
+    let Some(work) = rendered.cache.work else { return Vec::new() };
+    let compute = rates.compute.unwrap_or_default();
+    let integrated = if rendered.plan.compute { compute.integrated_texels } else { rates.integrated_texels };
+    let rows = [
+        ("capture", "triangles × views", work.triangle_views, rates.triangle_views),
+        ("capture_compute", "triangles × views", work.triangle_views, compute.triangle_views),
+        ("capture_compute", "texels", work.texels, compute.texels),
+        ("integrate", "texels", work.texels, integrated),
+        ("splat", "fragments", work.fragments, rates.blended_fragments),
+    ];
+    let time = |name: &str| profile.passes.iter().find(|pass| pass.name == name).map(PassTimes::total_ms);
+    let share = |(pass, unit, count, limit)| Share::new(pass, unit, count, time(pass)?, limit);
+    rows.into_iter().filter_map(share).collect()
 }
 
 fn length(span: &Span) -> f64 {
