@@ -18,7 +18,7 @@ layout(constant_id = 6) const uint THREADS = 64;  // a multiple of the tree's ch
 layout(constant_id = 7) const uint COUNTS = 0;  // triangles that are drawn
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
-layout(set = 0, binding = 1) uniform textureBuffer boxes;   // of the tree's nodes, level by level: low, high
+layout(set = 0, binding = 1) uniform textureBuffer octets;  // boxes of triangles: low, high
 layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w: the geometry's triangle; its mask
 layout(set = 0, binding = 3) uniform textureBuffer masks;  // bits, 128 a texel
 layout(set = 0, binding = 4, std430) readonly buffer FirstCell { uint first_cell[]; };
@@ -27,15 +27,15 @@ layout(set = 0, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 
 layout(set = 0, binding = 7, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
 layout(set = 0, binding = 8) uniform textureBuffer disc;  // of each texel: its direction, its place in the square (bits)
 layout(set = 0, binding = 9, std430) readonly buffer ShownCell { uint shown_cell[]; };  // of each coarse one
-layout(set = 0, binding = 10) uniform textureBuffer errors;  // of nodes from clusters on: two boxes, w of high: error
+layout(set = 0, binding = 10) uniform textureBuffer nodes;  // box; first child, how many more; a box for errors; least, most
 layout(set = 0, binding = 11, std430) buffer Count { uint count[2]; };
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     float allowed_error;  // at distance 1
     uint texel_count;
     uint first_coarse_cell;
-    uint levels;     // of the tree
-    uint first[11];  // node of each level, and the end
+    uint clusters;  // of the tree: its first nodes
+    uint root;      // its children
 } push;
 
 #include "inc/cells.glsl"
@@ -128,7 +128,10 @@ void draw(View view, uint texels, uint first) {
         if (walk.listed > 0) retire(texels, first);
         walk.listed = 0;
         meet();
-        list_octets(view, walk, LIST - THREADS);
+        while (walk.depth > 0 && walk.listed <= LIST - OCTET * CLUSTERS) {
+            uint found = find_clusters(view, walk);
+            list_octets(view, walk, found);
+        }
         if (COUNTS != 0 && me == 0) add_to_count(OCTET * walk.listed);
         for (uint entry = me / OCTET; entry < walk.listed; entry += SIDE_BY_SIDE) {
             uint id = (entry + 1) << PLACE_BITS | me % OCTET;

@@ -1,34 +1,34 @@
-// Finds what a view sees of the tree, from its root to octets of triangles. Wants `boxes`, `errors`, View, meet and places.
+// Finds what a view sees of the tree, from its root to octets of triangles. Wants `octets`, `nodes`, View, meet and places.
 
 const uint LIST = 2016;                      // octets: fewer than names
 const uint SIDE_BY_SIDE = THREADS / OCTET;   // nodes that the workgroup looks at at once
 const uint STACK = 10 * OCTET * SIDE_BY_SIDE;
-const uint LEVEL_BITS = 4;
+const uint CLUSTERS = 64 + THREADS;          // that are found before their octets are looked at
+const uint NODE = HAS_LEVELS != 0 ? 4 : 2;   // texels of a node
 
-shared uint list[LIST];       // octets
-shared uint stack[STACK];     // nodes: its number among those of its level, the level
+shared uint list[LIST];          // octets
+shared uint clusters[CLUSTERS];
+shared uint stack[STACK];        // of a node its first child, times 8, and how many more it has
 
 struct Walk { uint depth, listed; };  // of the stack, octets
 
 Walk start() {
-    if (gl_LocalInvocationID.x == 0) stack[0] = push.levels - 1;
+    if (gl_LocalInvocationID.x == 0) stack[0] = push.root;
     meet();
-    return Walk(push.levels > 1 ? 1 : 0, 0);
+    return Walk(push.clusters > 0 ? 1 : 0, 0);
 }
 
 uint triangle_of(uint id) { return list[(id >> PLACE_BITS) - 1] * OCTET + id % OCTET; }
 
 float distance_to(vec3 p, vec3 low, vec3 high) { return length(max(max(low - p, p - high), vec3(0.0))); }
 
-// Whether a node is what is shown at this distance, or may hold that: fine enough itself, and what replaces it is not. A
-// cluster's neighbours that are replaced with it decide by the same numbers.
-bool is_shown(uint node, bool is_cluster, vec3 eye) {
-    int at = 4 * int(node);
-    vec4 own = texelFetch(errors, at + 1), low = texelFetch(errors, at + 2), coarser = texelFetch(errors, at + 3);
-    precise float here = distance_to(eye, texelFetch(errors, at).xyz, own.xyz) * push.allowed_error;
-    precise float near = distance_to(eye, low.xyz, coarser.xyz), there = near * push.allowed_error;
-    float farthest = (near + length(coarser.xyz - low.xyz)) * push.allowed_error;
-    return own.w <= (is_cluster ? here : farthest) && coarser.w > there;
+// Whether a cluster is fine enough at this distance; of what holds clusters, whether some may be that, and what replaces
+// them is not. A cluster's neighbours that are replaced with it decide by the same numbers.
+bool is_shown(uint node, vec3 eye) {
+    vec4 low = texelFetch(nodes, int(NODE * node) + 2), high = texelFetch(nodes, int(NODE * node) + 3);
+    precise float near = distance_to(eye, low.xyz, high.xyz), allowed = near * push.allowed_error;
+    float farthest = (near + length(high.xyz - low.xyz)) * push.allowed_error;
+    return node < push.clusters ? low.w <= allowed : low.w <= farthest && high.w > allowed;
 }
 
 // Whether the view sees a texel's centre within a box: not outside the face, below the horizon, or between centres.
@@ -43,25 +43,39 @@ bool sees(View view, vec3 low, vec3 high) {
     return above && (IS_DISC != 0 ? sees_on_disc(c, e) : sees_on_face(view.face, c - e, c + e));
 }
 
-// Goes on along the tree, depth first, until it is done or octets are listed up to an end, or as many more as there are
-// invocations.
-void list_octets(View view, inout Walk walk, uint end) {
-    uint me = gl_LocalInvocationID.x;
-    while (walk.depth > 0 && walk.listed < end) {
+// Goes on along the tree, depth first, until it is done or enough clusters are found; returns how many.
+uint find_clusters(View view, inout Walk walk) {
+    uint me = gl_LocalInvocationID.x, found = 0;
+    while (walk.depth > 0 && found <= CLUSTERS - THREADS) {
         uint taken = min(walk.depth, SIDE_BY_SIDE);
         bool mine = me / OCTET < taken;
-        uint node = stack[mine ? walk.depth - 1 - me / OCTET : 0], level = node % (1 << LEVEL_BITS) - 1;
-        uint child = (node >> LEVEL_BITS) * OCTET + me % OCTET, at = push.first[level] + child;
-        mine = mine && at < push.first[level + 1];
-        at = mine ? at : 0;
-        bool seen = mine && sees(view, texelFetch(boxes, int(2 * at)).xyz, texelFetch(boxes, int(2 * at + 1)).xyz);
-        if (HAS_LEVELS != 0) seen = seen && (level == 0 || is_shown(max(at, push.first[1]) - push.first[1], level == 1, view.frame.origin.xyz));
+        uint children = stack[mine ? walk.depth - 1 - me / OCTET : 0];
+        mine = mine && me % OCTET <= children % OCTET;
+        uint node = children / OCTET + (mine ? me % OCTET : 0);
+        vec4 low = texelFetch(nodes, int(NODE * node)), high = texelFetch(nodes, int(NODE * node) + 1);
+        bool seen = mine && sees(view, low.xyz, high.xyz), is_cluster = node < push.clusters;
+        if (HAS_LEVELS != 0) seen = seen && is_shown(node, view.frame.origin.xyz);
         meet();
-        uvec2 octets = places(seen && level == 0), nodes = places(seen && level > 0);
-        if (seen && level == 0) list[walk.listed + octets.x] = child;
-        if (seen && level > 0) stack[walk.depth - taken + nodes.x] = child << LEVEL_BITS | level;
-        walk.depth += nodes.y - taken;
-        walk.listed += octets.y;
+        uvec2 leaves = places(seen && is_cluster), inner = places(seen && !is_cluster);
+        if (seen && is_cluster) clusters[found + leaves.x] = node;
+        if (seen && !is_cluster) stack[walk.depth - taken + inner.x] = floatBitsToUint(low.w) * OCTET + floatBitsToUint(high.w);
+        walk.depth += inner.y - taken;
+        found += leaves.y;
         meet();
     }
+    return found;
+}
+
+// Adds to the list what the view sees of the octets of the clusters found.
+void list_octets(View view, inout Walk walk, uint found) {
+    uint me = gl_LocalInvocationID.x;
+    for (uint first = 0; first < found; first += SIDE_BY_SIDE) {
+        uint place = first + me / OCTET, octet = clusters[min(place, found - 1)] * OCTET + me % OCTET;
+        vec3 low = texelFetch(octets, int(2 * octet)).xyz, high = texelFetch(octets, int(2 * octet) + 1).xyz;
+        bool seen = place < found && sees(view, low, high);
+        uvec2 at = places(seen);
+        if (seen) list[walk.listed + at.x] = octet;
+        walk.listed += at.y;
+    }
+    meet();
 }

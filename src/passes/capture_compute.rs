@@ -5,7 +5,7 @@
 //! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
 //! or a 64th of the triangle's side.
 
-use super::cluster_tree::{ClusterTree, MOST_LEVELS};
+use super::cluster_tree::ClusterTree;
 use super::counter::Counter;
 use super::gathered::{Gathered, Kinds};
 use super::geometry::Geometry;
@@ -37,10 +37,10 @@ struct Push {
     texel_count: u32,
     /// Cells from here on are coarse ones.
     first_coarse_cell: u32,
-    /// Levels of the tree.
-    levels: u32,
-    /// First node of each, and the end.
-    first: [u32; MOST_LEVELS + 1],
+    /// Clusters of the tree.
+    clusters: u32,
+    /// Children of its root.
+    root: u32,
 }
 
 /// How a record looks.
@@ -110,7 +110,7 @@ impl CaptureCompute {
             looks.disc.as_ref().map(|disc| TexelBuffer::with_data(device, "capture tables", disc)).transpose()?;
         let bindings = [
             Binding::Storage(&frames),
-            Binding::TexelBuffer(&tree.boxes),
+            Binding::TexelBuffer(&tree.octets),
             Binding::TexelBuffer(&tree.corners),
             // What the scene does not have is never read.
             Binding::TexelBuffer(tree.masks.as_ref().unwrap_or(&tree.corners)),
@@ -120,22 +120,20 @@ impl CaptureCompute {
             Binding::Storage(gathered.buffer()),
             Binding::TexelBuffer(disc.as_ref().unwrap_or(&tree.corners)),
             Binding::Storage(tree.shown_cell.as_ref().unwrap_or(&geometry.first_cell)),
-            Binding::TexelBuffer(tree.errors.as_ref().unwrap_or(&tree.boxes)),
+            Binding::TexelBuffer(&tree.nodes),
             Binding::Storage(drawn.map_or(&frames, Counter::buffer)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let mut first = [0; MOST_LEVELS + 1];
-        first[..tree.first.len()].copy_from_slice(&tree.first);
         let push = Push {
             nearest: geometry.radius * NEAREST,
             // A face is 2 wide at distance 1.
             allowed_error: looks.lod_error * 2.0 / size as f32,
             texel_count: looks.texels,
             first_coarse_cell: geometry.cell_count,
-            levels: tree.first.len() as u32 - 1,
-            first,
+            clusters: tree.clusters,
+            root: tree.root.unwrap_or(0),
         };
         let kinds = gathered.kinds;
         let flags = [tree.masks.is_some(), kinds.sky, kinds.planes, is_disc, tree.has_levels()].map(u32::from);
@@ -178,7 +176,7 @@ fn tables(projection: Projection, size: u32) -> u32 {
     3 * 2 * squares * size * size
 }
 
-/// Shared memory of a workgroup: keys, octets, the walk's stack, and two words for counting.
+/// Shared memory of a workgroup: keys, octets, clusters, the walk's stack, and two words for counting.
 fn shared_bytes(size: u32) -> u32 {
-    4 * (size * size + LISTED + 10 * THREADS + 2)
+    4 * (size * size + LISTED + 2 * THREADS + 10 * THREADS + 2)
 }

@@ -1,20 +1,28 @@
-//! The scene's triangles as a tree for captures in compute: octets of triangles, clusters of eight octets, and so on, eight
-//! children a node, each with its box, and with levels of detail the bounds of its error.
+//! The scene's triangles as a tree for captures in compute: octets of triangles, clusters of eight octets, groups of up to
+//! eight clusters, and so on, up to eight children a node, each with its box, and with levels of detail the bounds of its error.
+
+mod bounds;
+mod nodes;
+mod sort;
 
 use super::geometry::CLUSTER;
 use crate::math::levels::{Bound, Cluster, First, Levels, Surface};
 use crate::scene::opacity::{Mask, Opacity};
 use crate::scene::{Part, Scene};
 use crate::vk::{Buffer, Device, Result, TexelBuffer};
-use bytemuck::{Pod, Zeroable};
+use bounds::Bounds;
 use glam::{Vec3, Vec4};
+use nodes::{Group, Node, nodes_of};
+use rayon::prelude::*;
+use sort::{Item, sorted};
 use std::ops::Range;
 use std::sync::Arc;
 
 /// Children of a node; triangles of an octet, the lowest kind of node.
 const CHILDREN: usize = 8;
-/// Levels that a device walks, at most: 8¹⁰ triangles.
-pub const MOST_LEVELS: usize = 10;
+/// Error of coarse triangles, at distance 1, that the tree is arranged for: the usual one. With another one captures are as
+/// right, and a little slower.
+const USUAL_ERROR: f32 = 0.02 * 2.0 / 32.0;
 
 /// Texels of the corners' buffer that a triangle takes.
 const CORNERS: u64 = 3;
@@ -30,13 +38,14 @@ pub enum Detail {
 
 /// The tree on the device.
 pub struct ClusterTree {
-    /// First node of each level, octets first, and the end.
-    pub first: Vec<u32>,
-    /// Boxes of the nodes: lowest and highest corner.
-    pub boxes: TexelBuffer,
-    /// Of the nodes from clusters on, where clusters have levels: the box of all that they stand for and of what replaces
-    /// them; w of their highest corners are the errors: where there are several, the least and the largest.
-    pub errors: Option<TexelBuffer>,
+    /// What its walk begins with: eight times the first child of its root, and how many more that has; none of an empty one.
+    pub root: Option<u32>,
+    /// Number of clusters: the first nodes.
+    pub clusters: u32,
+    /// Boxes of the octets: lowest and highest corner.
+    pub octets: TexelBuffer,
+    /// The nodes.
+    pub nodes: TexelBuffer,
     /// Three corners a triangle, 64 triangles a cluster, the last ones points where a cluster has fewer; w (bits): number
     /// of the triangle, then its alpha mask.
     pub corners: TexelBuffer,
@@ -83,38 +92,42 @@ impl ClusterTree {
         };
         let end = triangles.len() as u32;
         let Some(levels) = levels else {
-            return Self::of(device, &all, all.clusters(0..end), None);
+            let groups = Group::in_order(&all.with_bounds(all.clusters(0..end)));
+            return Self::of(device, &all, &groups, None);
         };
         all.corners.extend(&levels.triangles);
         cells.first.extend(&levels.first_cell[1..]);
         let mut clusters = levels.clusters;
+        clusters.par_iter_mut().for_each(|c| all.sort(&mut c.triangles));
         clusters.extend(all.clusters(opaque..end));
-        Self::of(device, &all, all.in_groups(clusters), Some(&levels.shown_cell))
+        let groups = Group::by_visits(&all.with_bounds(clusters), USUAL_ERROR);
+        Self::of(device, &all, &groups, Some(&levels.shown_cell))
     }
 
     fn of(
         device: &Arc<Device>,
         triangles: &Triangles<'_>,
-        clusters: Vec<Cluster>,
+        groups: &[Group],
         shown_cell: Option<&Vec<u32>>,
     ) -> Result<Self> {
-        let mut corners = Vec::with_capacity(clusters.len() * CLUSTER as usize);
-        for cluster in &clusters {
+        let clusters = || groups.iter().flat_map(|g| &g.clusters);
+        let mut corners = Vec::with_capacity(clusters().count() * CLUSTER as usize);
+        for (cluster, _) in clusters() {
             corners.extend(cluster.triangles.iter().map(|t| triangles.named(*t)));
             let last = corners.last().map_or(Vec4::ZERO, |[a, ..]: &[Vec4; 3]| a.truncate().extend(0.0));
             corners.resize(corners.len().next_multiple_of(CLUSTER as usize), [last; 3]);
         }
-        let octets = corners.chunks(CHILDREN).map(|c| Bounds::of_corners(c.as_flattened())).collect();
-        let (first, boxes) = levels_of(octets, |boxes| boxes.iter().fold(Bounds::EMPTY, |all, b| all.joined(*b)));
-        let errors: Vec<_> = clusters.iter().map(|c| Errors { own: c.own.into(), coarser: c.coarser.into() }).collect();
-        let errors = shown_cell.map(|_| levels_of(errors, Errors::around).1);
+        let octets: Vec<_> = corners.chunks(CHILDREN).map(|c| Bounds::of_corners(c.as_flattened())).collect();
+        let nodes = nodes_of(groups);
+        let texels: Vec<Vec4> = nodes.iter().flat_map(|n| n.texels(shown_cell.is_some())).collect();
         let words = &triangles.opacity.words;
         let masks = || TexelBuffer::with_data(device, "alpha masks", words);
         let shown = |cells: &Vec<u32>| Buffer::with_data(device, "coarse cells", cells);
         Ok(Self {
-            first,
-            boxes: TexelBuffer::with_data(device, "cluster bounds", &boxes)?,
-            errors: errors.map(|errors| TexelBuffer::with_data(device, "cluster bounds", &errors)).transpose()?,
+            root: nodes.last().map(Node::children),
+            clusters: (corners.len() / CLUSTER as usize) as u32,
+            octets: TexelBuffer::with_data(device, "cluster bounds", &octets)?,
+            nodes: TexelBuffer::with_data(device, "cluster bounds", &texels)?,
             corners: TexelBuffer::with_data(device, "capture corners", &corners)?,
             masks: (!words.is_empty()).then(masks).transpose()?,
             shown_cell: shown_cell.map(shown).transpose()?,
@@ -152,178 +165,24 @@ impl Triangles<'_> {
         cluster.triangles.iter().fold(Bounds::EMPTY, |b, t| b.joined(Bounds::of(&self.corners(*t))))
     }
 
+    fn with_bounds(&self, clusters: Vec<Cluster>) -> Vec<(Cluster, Bounds)> {
+        clusters.into_par_iter().map(|c| (self.bounds(&c), c)).map(|(bounds, c)| (c, bounds)).collect()
+    }
+
+    /// Brings neighbours together.
+    fn sort(&self, triangles: &mut [u32]) {
+        let item = |t: &u32| Item { bounds: Bounds::of(&self.corners(*t)), reach: None };
+        let order = sorted(&triangles.iter().map(item).collect::<Vec<_>>());
+        let sorted: Vec<u32> = order.iter().map(|i| triangles[*i as usize]).collect();
+        triangles.copy_from_slice(&sorted);
+    }
+
     /// Clusters of some triangles, of one level, neighbours after each other.
     fn clusters(&self, range: Range<u32>) -> Vec<Cluster> {
-        let boxes: Vec<_> = range.clone().map(|t| Bounds::of(&self.corners(t))).collect();
-        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        sort(&boxes, &mut order);
-        let cluster = |piece: &[u32]| Cluster {
-            triangles: piece.iter().map(|t| range.start + t).collect(),
-            level: 0,
-            own: Bound::EXACT,
-            coarser: Bound::NEVER,
-        };
-        order.chunks(CLUSTER as usize).map(cluster).collect()
-    }
-
-    /// Clusters by level, neighbours after each other, and so their triangles.
-    fn in_groups(&self, mut clusters: Vec<Cluster>) -> Vec<Cluster> {
-        for cluster in &mut clusters {
-            let boxes: Vec<_> = cluster.triangles.iter().map(|t| Bounds::of(&self.corners(*t))).collect();
-            let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-            sort(&boxes, &mut order);
-            cluster.triangles = order.iter().map(|i| cluster.triangles[*i as usize]).collect();
-        }
-        clusters.sort_by_key(|c| c.level);
-        let mut grouped = Vec::with_capacity(clusters.len());
-        for level in clusters.chunk_by(|a, b| a.level == b.level) {
-            let boxes: Vec<_> = level.iter().map(|c| self.bounds(c)).collect();
-            let mut order: Vec<u32> = (0..level.len() as u32).collect();
-            sort(&boxes, &mut order);
-            grouped.extend(order.iter().map(|i| level[*i as usize].clone()));
-        }
-        grouped
-    }
-}
-
-/// All levels of a tree above `leaves`, one after the other, up to the root: a node is what `join` makes of its children.
-/// And where each begins, and the end.
-fn levels_of<T: Copy>(leaves: Vec<T>, join: impl Fn(&[T]) -> T) -> (Vec<u32>, Vec<T>) {
-    let mut first = vec![0];
-    let mut nodes = leaves;
-    while nodes.len() > first[first.len() - 1] as usize + 1 {
-        let level = nodes[first[first.len() - 1] as usize..].chunks(CHILDREN).map(&join).collect::<Vec<_>>();
-        first.push(nodes.len() as u32);
-        nodes.extend(level);
-    }
-    first.push(nodes.len() as u32);
-    (first, nodes)
-}
-
-/// When a node is shown, as `glsl/capture_compute` reads it.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Errors {
-    own: Bounds,
-    coarser: Bounds,
-}
-
-impl Errors {
-    /// Of several: errors that hold for some of them, or none.
-    fn around(nodes: &[Self]) -> Self {
-        let mut all = nodes[0];
-        for node in nodes {
-            let least = all.own.high.w.min(node.own.high.w);
-            all.own = all.own.joined(node.own);
-            all.coarser = all.coarser.joined(node.coarser);
-            all.own.high.w = least;
-        }
-        all
-    }
-}
-
-impl From<Bound> for Bounds {
-    fn from(b: Bound) -> Self {
-        Self { low: b.low.extend(0.0), high: b.high.extend(b.error) }
-    }
-}
-
-/// An axis-aligned box, as `glsl/capture_compute` reads it.
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Bounds {
-    low: Vec4,
-    high: Vec4,
-}
-
-impl Bounds {
-    const EMPTY: Self = Self { low: Vec4::INFINITY, high: Vec4::NEG_INFINITY };
-
-    fn of(points: &[Vec3]) -> Self {
-        points.iter().map(|p| p.extend(0.0)).fold(Self::EMPTY, |b, p| b.with(p, p))
-    }
-
-    /// Of corners as the device has them.
-    fn of_corners(corners: &[Vec4]) -> Self {
-        corners.iter().fold(Self::EMPTY, |b, p| b.with(*p, *p))
-    }
-
-    fn around(boxes: &[Self], which: &[u32]) -> Self {
-        which.iter().fold(Self::EMPTY, |b, i| b.joined(boxes[*i as usize]))
-    }
-
-    fn joined(self, other: Self) -> Self {
-        self.with(other.low, other.high)
-    }
-
-    fn with(self, low: Vec4, high: Vec4) -> Self {
-        Self { low: self.low.min(low), high: self.high.max(high) }
-    }
-
-    /// Half its surface area.
-    fn area(self) -> f32 {
-        let d = self.high - self.low;
-        d.x * d.y + d.y * d.z + d.z * d.x
-    }
-}
-
-/// Orders what lies in `boxes` so that neighbours come together: halves of halves, cut where nodes are full.
-fn sort(boxes: &[Bounds], order: &mut [u32]) {
-    if order.len() <= CHILDREN {
-        // What is drawn side by side: of like size, it takes like time.
-        order.sort_by(|a, b| boxes[*b as usize].area().total_cmp(&boxes[*a as usize].area()));
-        return;
-    }
-    let node = CHILDREN.pow((order.len() - 1).ilog(CHILDREN));
-    let middle = order.len().div_ceil(node).div_ceil(2) * node;
-    halve(boxes, order, middle);
-    let (front, back) = order.split_at_mut(middle);
-    rayon::join(|| sort(boxes, front), || sort(boxes, back));
-}
-
-/// Brings `middle` of the triangles to the front, so that both halves have small boxes: along an axis, or the larger ones
-/// by themselves (surface area heuristic, Goldsmith and Salmon 1987).
-fn halve(boxes: &[Bounds], order: &mut [u32], middle: usize) {
-    let key = |by: usize, i: u32| {
-        let b = &boxes[i as usize];
-        if by < 3 { b.low[by] + b.high[by] } else { (b.low - b.high).min_element() }
-    };
-    let candidate = |by: usize| {
-        let mut half = order.to_vec();
-        half.select_nth_unstable_by(middle, |a, b| key(by, *a).total_cmp(&key(by, *b)));
-        let cost = |part: &[u32]| Bounds::around(boxes, part).area() * part.len() as f32;
-        let (front, back) = half.split_at(middle);
-        (cost(front) + cost(back), half)
-    };
-    let best = (0..4).map(candidate).min_by(|a, b| a.0.total_cmp(&b.0)).expect("there are four candidates");
-    order.copy_from_slice(&best.1);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A sheet of small squares and one large triangle over all of it.
-    fn sheet(side: u32) -> Vec<Bounds> {
-        let square = |i: u32| {
-            let low = Vec3::new((i % side) as f32, 0.0, (i / side) as f32);
-            Bounds::of(&[low, low + Vec3::X + Vec3::Z])
-        };
-        let all = Bounds::of(&[Vec3::ZERO, Vec3::splat(side as f32)]);
-        (0..side * side).map(square).chain([all]).collect()
-    }
-
-    #[test]
-    fn every_triangle_is_in_one_compact_cluster() {
-        let boxes = sheet(64);
-        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-        sort(&boxes, &mut order);
-        let mut sorted = order.clone();
-        sorted.sort_unstable();
-        assert!(sorted.iter().copied().eq(0..boxes.len() as u32), "an order of all triangles");
-        let areas: Vec<f32> = order.chunks(64).map(|c| Bounds::around(&boxes, c).area()).collect();
-        // 64 squares cover 64 at least; only the cluster of the large one may be large.
-        let large = areas.iter().filter(|area| **area > 128.0).count();
-        assert!(large <= 1, "{large} clusters are large: {areas:?}");
+        let mut triangles: Vec<u32> = range.collect();
+        self.sort(&mut triangles);
+        let cluster =
+            |piece: &[u32]| Cluster { triangles: piece.to_vec(), level: 0, own: Bound::EXACT, coarser: Bound::NEVER };
+        triangles.chunks(CLUSTER as usize).map(cluster).collect()
     }
 }

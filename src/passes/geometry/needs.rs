@@ -35,7 +35,8 @@ pub fn needs(device: &Device, scene: &Scene, cells: u32, detail: Option<Detail>,
         Some(Detail::Exact) => triangles,
         Some(Detail::Levels) => triangles * 9 / 4,
     };
-    let with_errors = if has_levels { in_tree } else { 0 };
+    // Octets have boxes of two texels, clusters and what holds them two or four; groups have five clusters, about.
+    let nodes = if has_levels { in_tree * 5 / 4 } else { in_tree * 4 / 7 };
     let mut all = Vec::new();
     let mut need = |used_for, buffers: &[u64], allowed| {
         let (bytes, largest) = (buffers.iter().sum(), buffers.iter().copied().max().unwrap_or(0));
@@ -57,7 +58,7 @@ pub fn needs(device: &Device, scene: &Scene, cells: u32, detail: Option<Detail>,
     let unshared = if device.capabilities.primitive_id { 0 } else { triangles };
     let corners = 48 * in_tree.next_multiple_of(u64::from(super::CLUSTER));
     need("capture corners", &[36 * unshared, 12 * unshared, corners], texels);
-    need("cluster bounds", &[triangles / 4, in_tree * 32 / 7, with_errors * 8 / 7], texels);
+    need("cluster bounds", &[triangles / 4, in_tree * 4, nodes], texels);
     if has_levels {
         need("coarse cells", &[20 * cells], storage);
     }
