@@ -1,5 +1,5 @@
 // Views of a record rasterised in shared memory, after micro-rendering (Ritschel et al. 2009): no image is written, only
-// the light that each texel sees. A view is a hemicube's face, or the hemisphere projected onto the disc below it. One
+// the light that each texel sees, or, with SUMMING, the integrals over them. A view is a hemicube's face, or the hemisphere projected onto the disc below it. One
 // workgroup a (record, view) walks the tree of the scene's triangles and draws those that the view sees, an invocation
 // each. Triangles are tested by the texels' directions, in homogeneous coordinates (Olano and Greer 1997): what crosses the
 // face's plane needs no clipping, and no projection bends a side.
@@ -19,20 +19,20 @@ layout(constant_id = 7) const uint COUNTS = 0;  // triangles that are drawn
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1) uniform textureBuffer octets;  // boxes of triangles: low, high
-layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w: the geometry's triangle; its mask
+layout(set = 0, binding = 2) uniform textureBuffer corners;  // three a triangle; w (bits): first surface cell;
+                                                             // cells along a side of the mask, of the surface << 16; the mask
 layout(set = 0, binding = 3) uniform textureBuffer masks;  // bits, 128 a texel
-layout(set = 0, binding = 4, std430) readonly buffer FirstCell { uint first_cell[]; };
-layout(set = 0, binding = 5, std430) readonly buffer CellRadiance { float cell_radiance[]; };
-layout(set = 0, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
-layout(set = 0, binding = 7, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
-layout(set = 0, binding = 8) uniform textureBuffer disc;  // of each texel: its direction, its place in the square (bits)
-layout(set = 0, binding = 9, std430) readonly buffer ShownCell { uint shown_cell[]; };  // of each coarse one
-layout(set = 0, binding = 10) uniform textureBuffer nodes;  // box; first child, how many more; a box for errors; least, most
-layout(set = 0, binding = 11, std430) buffer Count { uint count[2]; };
+layout(set = 0, binding = 5, std430) readonly buffer Sky { uvec4 sky_size; vec4 sky[]; };
+layout(set = 0, binding = 6, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
+layout(set = 0, binding = 7) uniform textureBuffer texel_table;  // of a disc's texels, or those of faces that are summed
+layout(set = 0, binding = 8, std430) readonly buffer ShownCell { uint shown_cell[]; };  // of each coarse one
+layout(set = 0, binding = 9) uniform textureBuffer nodes;  // box; first child, how many more; a box for errors; least, most
+layout(set = 0, binding = 10, std430) buffer Count { uint count[2]; };
 layout(push_constant) uniform Push {
     float nearest;  // smallest depth that is told from others
     float allowed_error;  // at distance 1
     uint texel_count;
+    uint border_count;  // of them, at borders between faces
     uint first_coarse_cell;
     uint clusters;  // of the tree: its first nodes
     uint root;      // its children
@@ -46,7 +46,7 @@ layout(push_constant) uniform Push {
 const uint OCTET = 8;  // triangles that are drawn side by side; children of a node
 const uint NOTHING = 0xffffffffu;
 // A key is the logarithm of depth in the upper bits; then the entry of the triangle's octet in the list, plus 1, and
-// its place in it. Entry 0 are triangles whose numbers `gathered` holds meanwhile: the list is used again and again, so
+// its place in it. Entry 0 are triangles whose numbers are kept elsewhere meanwhile: the list is used again and again, so
 // that any number of triangles has a name.
 const uint PLACE_BITS = 3, ENTRY_BITS = 11, ID_BITS = PLACE_BITS + ENTRY_BITS, DEPTH_BITS = 32 - ID_BITS;
 
@@ -73,7 +73,7 @@ vec3 place(View view, vec4 corner) { return view.axes * (corner.xyz - view.frame
 Triangle load(View view, uint triangle) {
     int at = int(3 * triangle);
     vec4 a = texelFetch(corners, at), b = texelFetch(corners, at + 1), c = texelFetch(corners, at + 2);
-    return Triangle(place(view, a), place(view, b), place(view, c), floatBitsToUint(vec2(b.w, c.w)));
+    return Triangle(place(view, a), place(view, b), place(view, c), uvec2(floatBitsToUint(b.w) & 0xffffu, floatBitsToUint(c.w)));
 }
 
 // The point of the face's plane at distance 1 in a texel's centre. Row 0 is at the top.
@@ -90,19 +90,32 @@ struct Spot { vec3 way; uint key; };
 
 Spot spot_of(uint i) {
     if (IS_DISC == 0) return Spot(direction_of(ivec2(i % SIZE, i / SIZE)), i);
-    vec4 texel = texelFetch(disc, int(i));
+    vec4 texel = texelFetch(texel_table, int(i));  // direction, place in the square (bits)
     return Spot(texel.xyz, floatBitsToUint(texel.w));
 }
 
 #include "capture_compute/rasterise.glsl"
 #include "capture_compute/walk.glsl"
 
-// `gathered` keeps triangles' numbers meanwhile, as the bits of floats that no device takes for a denormal one.
-const uint TAG = 0x40000000u;
+vec3 cell_light(uint cell, bool front);
 
-uint meanwhile(uint at) { return floatBitsToUint(gathered[STRIDE * at].x) ^ TAG; }
+// Radiance of a triangle in a direction of any length, and its plane; direction and plane in face coordinates.
+void look(View view, uint triangle, vec3 way, out vec3 light, out vec3 plane) {
+    int at = 3 * int(triangle);
+    vec4 p0 = texelFetch(corners, at), p1 = texelFetch(corners, at + 1);
+    vec3 a = p0.xyz - view.frame.origin.xyz, e1 = p1.xyz - p0.xyz, e2 = texelFetch(corners, at + 2).xyz - p0.xyz;
+    plane = view.axes * inverse_plane(a, e1, e2);
+    vec2 uv = barycentrics(a, e1, e2, way * view.axes);
+    uint cell = floatBitsToUint(p0.w) + cell_at(floatBitsToUint(p1.w) >> 16, uv);
+    if (HAS_LEVELS != 0 && cell >= push.first_coarse_cell) cell = shown_cell[cell - push.first_coarse_cell];
+    light = cell_light(cell, dot(a, cross(e1, e2)) < 0.0);
+}
 
-void keep(uint at, uint triangle) { gathered[STRIDE * at].x = uintBitsToFloat(triangle | TAG); }
+#ifdef SUMMING
+#include "capture_compute/sum.glsl"
+#else
+#include "capture_compute/gather.glsl"
+#endif
 
 // Number of the triangle that a texel sees, plus 1; 0 for none.
 uint triangle_at(uint i, uint key, uint first) {
@@ -111,7 +124,7 @@ uint triangle_at(uint i, uint key, uint first) {
     return id < OCTET ? meanwhile(first + i) : triangle_of(id) + 1;
 }
 
-// Makes the list free: keeps what texels see so far in `gathered`.
+// Makes the list free: keeps what texels see so far.
 void retire(uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         uint at = spot_of(i).key, key = keys[at];
@@ -152,33 +165,6 @@ void clear(View view, uint texels, uint first) {
     }
 }
 
-void gather(View view, uint texels, uint first) {
-    mat3 axes = local_axes(view.face);
-    for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
-        Spot spot = spot_of(i);
-        uint key = keys[spot.key], triangle = triangle_at(i, key, first), at = STRIDE * (first + i);
-        vec3 way = normalize(spot.way), plane = vec3(0.0), beyond = vec3(0.0);
-        vec4 seen = vec4(0.0);
-        if (triangle != 0) {
-            Triangle t = load(view, triangle - 1);
-            vec3 e1 = t.b - t.a, e2 = t.c - t.a;
-            plane = inverse_plane(t.a, e1, e2);
-            // Faces are mirrored: what shows its front has a positive volume in the world and a negative one here.
-            bool front = dot(t.a, cross(e1, e2)) < 0.0;
-            uint name = floatBitsToUint(texelFetch(corners, int(3 * triangle - 3)).w);
-            uint cell = cell_of(name, barycentrics(t.a, e1, e2, way));
-            if (HAS_LEVELS != 0 && cell >= push.first_coarse_cell) cell = shown_cell[cell - push.first_coarse_cell];
-            seen = vec4(cell_light(cell, front), max(dot(plane, way), 0.0));
-        }
-        if (HAS_SKY != 0) {
-            if (key == NOTHING) beyond = sky_radiance(way * view.axes);
-            gathered[at + 1] = vec4(beyond, 0.0);
-        }
-        gathered[at] = seen;
-        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane * axes, 0.0);
-    }
-}
-
 void main() {
     uint views = IS_DISC != 0 ? 1 : 5, record = gl_WorkGroupID.x / views, face = gl_WorkGroupID.x % views;
     View view = View(face, world_axes(face, frames[record]), frames[record]);
@@ -187,5 +173,5 @@ void main() {
     clear(view, texels, first);
     meet();
     draw(view, texels, first);
-    gather(view, texels, first);
+    tell(view, texels, first);
 }

@@ -1,6 +1,9 @@
-// A workgroup is one subgroup: no invocation waits for another.
+// A workgroup is one subgroup: no invocation waits for another, and each may ask the next.
 #version 460
+#extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#define SUMMING
 
 // All invocations are here before one goes on, and see what others wrote to shared memory.
 void meet() { subgroupBarrier(); }

@@ -1,5 +1,6 @@
 // Any workgroup of 64.
 #version 460
+#extension GL_GOOGLE_include_directive : require
 
 // All invocations are here before one goes on, and see what others wrote to shared memory.
 void meet() { barrier(); }

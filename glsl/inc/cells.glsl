@@ -1,21 +1,9 @@
 // The lit surface: each triangle is cut into r² cells, each holding the radiance that leaves it to its front and to its
-// back. Cells of a triangle start at first_cell[triangle]. Wants `first_cell` and `cell_radiance`.
+// back. Cells of a triangle follow each other.
 
 #include "inc/subdivision.glsl"
 
 uint cell_resolution(uint cells) { return uint(sqrt(float(cells)) + 0.5); }
-
-// The cell of a triangle at the point (1−u−v)·p0 + u·p1 + v·p2.
-uint cell_of(uint triangle, vec2 uv) {
-    uint first = first_cell[triangle], cells = first_cell[triangle + 1] - first;
-    return first + cell_at(cell_resolution(cells), uv);
-}
-
-// Radiance that leaves a cell.
-vec3 cell_light(uint cell, bool front) {
-    uint at = 6 * cell + (front ? 0 : 3);
-    return vec3(cell_radiance[at], cell_radiance[at + 1], cell_radiance[at + 2]);
-}
 
 // (u, v) of the point of a triangle that a direction (any length) from the origin meets: its first corner is `a`, e1 and
 // e2 lead from there to the others (Möller and Trumbore 1997).

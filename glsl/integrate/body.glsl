@@ -2,8 +2,9 @@
 // workgroup a record; every sum has a fixed order. Texels and edges come as tables (src/math/capture.rs), so that the same
 // pass serves any projection. CPU twin: math::capture::Table::integrate.
 //
-// FROM_COMPUTE: the capture wrote what texels see. What is only read is fetched through buffer views then, several times
-// faster on CPU devices; captures by render passes ask no such views of a device.
+// FROM_COMPUTE: the capture wrote what texels see, or it has summed faces by itself and wrote what texels at their borders
+// see: then texels are those alone, and edges those between faces. What is only read is fetched through buffer views then,
+// several times faster on CPU devices; captures by render passes ask no such views of a device.
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
 #include "inc/views.glsl"
@@ -15,6 +16,7 @@ layout(constant_id = 1) const uint HAS_ROTATION = 1;
 layout(constant_id = 2) const uint HAS_TRANSLATION = 1;
 layout(constant_id = 3) const uint IS_CURVED = 0;  // triangles' sides are curves, drawn as chords
 layout(constant_id = 4) const uint BY_HESSIAN = 0;  // R from the second derivatives of E; wants the translation gradient
+layout(constant_id = 5) const uint PARTS = 0;  // of each sum that the capture made; 0: it made none
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1, std430) buffer Records { Record records[]; };
@@ -24,6 +26,7 @@ layout(set = 0, binding = 2, std430) writeonly buffer Payloads { Payload payload
 layout(set = 0, binding = 3) uniform textureBuffer texels;
 layout(set = 0, binding = 4) uniform textureBuffer edges;
 layout(set = 0, binding = 5) uniform textureBuffer gathered;  // laid out as inc/gathered.glsl says
+layout(set = 0, binding = 6, std430) readonly buffer Sums { float face_sums[]; };
 vec4 texel_value(uint at) { return texelFetch(texels, int(at)); }
 vec4 edge_value(uint at) { return texelFetch(edges, int(at)); }
 vec4 gathered_value(uint at) { return texelFetch(gathered, int(at)); }
@@ -48,6 +51,7 @@ layout(push_constant) uniform Push {
 } push;
 
 #include "inc/gathered.glsl"
+#include "inc/sums.glsl"
 #ifdef FROM_COMPUTE
 // What texel i of a record sees: of surfaces, with 1/distance, and of the sky.
 void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
@@ -61,9 +65,8 @@ void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
 
 const float DARK_SHARE = 0.02;
 
-// Sums of a workgroup: of each kind of light E and Σ w/d, ∇_r E and ∇_t E channel by channel, and the largest radiance;
-// then H of all light. Each invocation leaves its part; a row longer than it has parts keeps columns in different banks.
-const uint ROTATION = 4, TRANSLATION = 10, PEAK = 16, LIGHT = 19, BEND = LIGHT * (1 + HAS_SKY), COUNT = BEND + 9 * BY_HESSIAN;
+// Sums of a workgroup. Each invocation leaves its part; a row longer than it has parts keeps columns in different banks.
+const uint COUNT = BY_HESSIAN != 0 ? SUMS : BEND;
 const uint ROW = THREADS + 1;
 shared float parts[COUNT * ROW];
 shared float sums[2 * LIGHT + 9];
@@ -72,15 +75,20 @@ void put(uint which, float value) { parts[which * ROW + gl_LocalInvocationID.x] 
 void put3(uint which, vec3 v) { for (int c = 0; c < 3; ++c) put(which + c, v[c]); }
 vec3 sums3(uint which) { return vec3(sums[which], sums[which + 1], sums[which + 2]); }
 
-void add_up() {
+// Of a row, on top of `all`.
+float with(float all, float part, bool is_peak) { return is_peak ? max(all, part) : all + part; }
+
+void add_up(uint record) {
     barrier();
     for (uint which = gl_LocalInvocationID.x; which < COUNT; which += THREADS) {
-        bool is_peak = which < BEND && which % LIGHT >= PEAK;
+        uint kind = which < BEND ? which % LIGHT : BEND;
+        bool is_peak = kind >= PEAK && kind < LIGHT, is_of_edges = kind >= TRANSLATION && !is_peak;
         float all = 0.0;
-        for (uint i = 0; i < THREADS; ++i) {
-            float part = parts[which * ROW + i];
-            all = is_peak ? max(all, part) : all + part;
-        }
+#ifdef FROM_COMPUTE
+        for (uint i = 0; i < PARTS; ++i) all = with(all, face_sums[(record * SUMS + which) * PARTS + i], is_peak);
+#endif
+        if (PARTS == 0 || is_of_edges)
+            for (uint i = 0; i < THREADS; ++i) all = with(all, parts[which * ROW + i], is_peak);
         sums[which] = all;
     }
     barrier();
@@ -118,57 +126,31 @@ void gather(uint record, Frame frame) {
     put3(LIGHT + PEAK, open_peak);
 }
 
-// 1/distance of what moves at the edge between texels i and j: the nearer surface, where its plane meets the edge, not at
-// the texel's centre. An outline lies within half a texel of the edge that stands for it, on either side alike, so that
-// the error is of second order in the texel's width; with the centre's distance, which is always further inside, it is
-// of first. Planes seen edge-on are extrapolated to three times the distance's inverse at most, evenly both ways.
-float inverse_edge_distance(vec3 between, float a, float b, uint i, uint j) {
-    float nearest = max(a, b);
-    vec3 plane = gathered_value((a >= b ? i : j) + STRIDE - 1).xyz;
-    return clamp(dot(plane, between), -nearest, 3.0 * nearest);
-}
-
-// ∇_t E = −Σ (L_i − L_j)·tan(γ/2)·n·(a+b)·m / r over all edges between texels.
-//
-// Its own derivative, an edge in the direction ω staying where it is in space: H = −4 Σ (L_i − L_j) sym(step ⊗ ω) / r².
-// With w = M − x from the point to an edge's middle M, D along it, the step over r is (n·w)(D×w)/|w|⁴; x in the tangent
-// plane leaves n·w as it is, D×w changes by an antisymmetric part alone, and |w|⁻⁴ by 4w/|w|⁶. The light of the sky and of
-// surfaces together; `bend` is (xx, xy, yy), local.
+// What edges between texels add.
 void slide(uint record) {
-    vec3 lit_x = vec3(0.0), lit_y = vec3(0.0), open_x = vec3(0.0), open_y = vec3(0.0);
-    vec3 bend[3] = vec3[3](vec3(0.0), vec3(0.0), vec3(0.0));
+    Slide sum = no_slide();
     uint base = record * push.texel_count;
     for (uint e = gl_LocalInvocationID.x; e < push.edge_count; e += THREADS) {
         vec4 edge = edge_value(3 * e);
         uvec2 of = floatBitsToUint(edge.zw);
         uint i = STRIDE * (base + of.x), j = STRIDE * (base + of.y);
         vec4 a = gathered_value(i), b = gathered_value(j);
-        vec3 difference = a.rgb - b.rgb;
-        vec2 step_ = edge.xy * inverse_edge_distance(edge_value(3 * e + 1).xyz, a.w, b.w, i, j);
-        lit_x -= difference * step_.x;
-        lit_y -= difference * step_.y;
-        if (HAS_SKY != 0) {
-            vec3 beyond = gathered_value(i + 1).rgb - gathered_value(j + 1).rgb;
-            open_x -= beyond * step_.x;
-            open_y -= beyond * step_.y;
-            difference += beyond;
-        }
-        if (BY_HESSIAN != 0) {
-            // By the texels' own distances: what is extrapolated to the edge would be squared here.
-            float nearest = max(a.w, b.w);
-            vec2 m = edge_value(3 * e + 2).xy, s = nearest * nearest * edge.xy;
-            bend[0] -= difference * (4.0 * s.x * m.x);
-            bend[1] -= difference * (2.0 * (s.x * m.y + s.y * m.x));
-            bend[2] -= difference * (4.0 * s.y * m.y);
-        }
+        vec3 beyond = HAS_SKY != 0 ? gathered_value(j + 1).rgb - gathered_value(i + 1).rgb : vec3(0.0);
+        float nearest = max(a.w, b.w);
+        vec3 plane = gathered_value((a.w >= b.w ? i : j) + STRIDE - 1).xyz;
+        vec3 bend = BY_HESSIAN != 0 ? edge_value(3 * e + 2).xyz : vec3(0.0);
+        slide_over(sum, b.rgb - a.rgb, beyond, edge.xy, bend, dot(plane, edge_value(3 * e + 1).xyz), nearest);
     }
-    put3(TRANSLATION, lit_x);
-    put3(TRANSLATION + 3, lit_y);
+    put3(TRANSLATION, sum.lit_x);
+    put3(TRANSLATION + 3, sum.lit_y);
     if (HAS_SKY != 0) {
-        put3(LIGHT + TRANSLATION, open_x);
-        put3(LIGHT + TRANSLATION + 3, open_y);
+        put3(LIGHT + TRANSLATION, sum.open_x);
+        put3(LIGHT + TRANSLATION + 3, sum.open_y);
     }
-    if (BY_HESSIAN != 0) for (int c = 0; c < 3; ++c) put3(BEND + 3 * c, bend[c]);
+    if (BY_HESSIAN == 0) return;
+    put3(BEND, sum.xx);
+    put3(BEND + 3, sum.xy);
+    put3(BEND + 6, sum.yy);
 }
 
 // What a record carries of the light whose sums start at `first`; beyond the radius that the gradient is good for, it is
@@ -218,7 +200,7 @@ float hessian_r(float inverse_r) {
 void main() {
     uint record = gl_WorkGroupID.x;
     Frame frame = frames[record];
-    gather(record, frame);
+    if (PARTS == 0) gather(record, frame);
     if (HAS_TRANSLATION != 0) {
 #ifndef FROM_COMPUTE
         memoryBarrierBuffer();
@@ -226,7 +208,7 @@ void main() {
 #endif
         slide(record);
     }
-    add_up();
+    add_up(record);
     if (gl_LocalInvocationID.x > 0) return;
     float inverse_r = sums[3] * push.inverse_weight;
     float r = BY_HESSIAN != 0 ? hessian_r(inverse_r) : harmonic_r(inverse_r);

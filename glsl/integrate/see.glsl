@@ -9,8 +9,15 @@ layout(set = 1, binding = 6, std430) readonly buffer Sky { uvec4 sky_size; vec4 
 
 #include "inc/triangles.glsl"
 #include "inc/cells.glsl"
+#include "inc/cell_light.glsl"
 #include "inc/sky.glsl"
 #include "integrate/curved.glsl"
+
+// The cell of a triangle at the point (1−u−v)·p0 + u·p1 + v·p2.
+uint cell_of(uint triangle, vec2 uv) {
+    uint first = first_cell[triangle], cells = first_cell[triangle + 1] - first;
+    return first + cell_at(cell_resolution(cells), uv);
+}
 
 // Identity, and 1/distance as bits, of what a texel sees: `place` is layer<<16 | y<<8 | x, `forward` 1/distance by depth.
 uvec2 look(uvec2 tile, uint place, float forward, Frame frame, vec3 direction) {

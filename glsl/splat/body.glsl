@@ -9,7 +9,7 @@ layout(constant_id = 0) const uint HAS_SKY = 0;
 layout(constant_id = 1) const uint HAS_GRADIENTS = 1;
 layout(constant_id = 2) const uint WEIGHT = 0;        // 0 bounded (Tabellion and Lamorlette 2004), 1 Ward 1988
 layout(constant_id = 3) const uint SEEN_SIZE = 0;     // texels a side of the hemicubes that tell what a record sees; 0: not asked
-layout(constant_id = 4) const uint SEEN_STRIDE = 1;   // values of a texel
+layout(constant_id = 4) const uint SEEN_STRIDE = 1;   // floats of a texel: 1/distance, or what inc/gathered.glsl says
 layout(constant_id = 5) const uint COUNTS_FRAGMENTS = 0;  // in the tally, those too that add nothing
 
 layout(set = 0, binding = 0, std430) readonly buffer Records { Record records[]; };
@@ -17,7 +17,7 @@ layout(set = 0, binding = 1, std430) readonly buffer Payloads { Payload payloads
 layout(set = 0, binding = 2) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 3) uniform utexture2D gbuffer_normals;
 layout(set = 0, binding = 4, std430) readonly buffer Frames { Frame frames[]; };
-layout(set = 0, binding = 5, std430) readonly buffer Gathered { vec4 gathered[]; };  // w: 1/distance
+layout(set = 0, binding = 5, std430) readonly buffer Seen { float seen[]; };
 layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; } push;
 #include "splat/hidden.glsl"
 layout(location = 0) flat in uint record_index;

@@ -1,6 +1,6 @@
 // Whether something stands between a record and a point, by the distances that the record's hemicube has seen: light
 // must not pass a thin wall, nor reach around an edge, from a record on the other side. CPU twin: math::visibility.
-// Wants `frames`, `gathered`, SEEN_SIZE and SEEN_STRIDE.
+// Wants `frames`, `seen`, SEEN_SIZE and SEEN_STRIDE.
 
 const float HIDDEN_TOLERANCE = 0.1;  // of the distance
 
@@ -10,7 +10,7 @@ float inverse_forward(uint record, uint view, ivec2 texel) {
     texel.y = clamp(texel.y, 0, n / 2 - 1);
     uint at = 3 * uint(n * n) * record + uint(n * n) + (view - 1) * uint(n * n / 2) + uint(texel.y * n + texel.x);
     vec2 p = (vec2(texel) + 0.5) * (2.0 / float(n)) * vec2(1.0, -1.0) + vec2(-1.0, 1.0);
-    return gathered[SEEN_STRIDE * at].w * sqrt(1.0 + dot(p, p));
+    return seen[SEEN_STRIDE * at + min(SEEN_STRIDE, 4) - 1] * sqrt(1.0 + dot(p, p));
 }
 
 bool hidden(uint record, vec3 offset) {

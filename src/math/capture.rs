@@ -6,6 +6,7 @@
 //!
 //! Local frame: the normal is +z. Directions have unit length.
 
+mod faces;
 mod hemicube;
 mod hemisphere;
 mod plane;
@@ -13,6 +14,7 @@ mod polygons;
 #[cfg(test)]
 mod tests;
 
+pub use faces::Faces;
 pub use hemicube::face_direction;
 pub use polygons::{polygon_flux, polygon_solid_angle};
 
@@ -113,6 +115,15 @@ impl Texel {
     }
 }
 
+impl Edge {
+    /// Factor of the second derivatives xx, xy and yy for 1/distance²: the step's own derivative, the edge staying where it
+    /// is in space; `glsl/inc/sums.glsl` derives it.
+    pub fn bend(&self) -> DVec3 {
+        let (s, m) = (self.step, self.middle);
+        DVec3::new(4.0 * s.x * m.x, 2.0 * (s.x * m.y + s.y * m.x), 4.0 * s.y * m.y)
+    }
+}
+
 impl Projection {
     /// The table of `size` texels a side; `size` is even.
     pub fn table(self, size: u32) -> Table {
@@ -131,6 +142,12 @@ impl Table {
         self.texels.iter().map(Texel::weight).sum()
     }
 
+    /// Between the centres of an edge's texels, where the faces or the disc are.
+    pub fn between(&self, edge: &Edge) -> DVec3 {
+        let centre = |i: u32| self.texels[i as usize].direction / self.texels[i as usize].forward;
+        (centre(edge.i) + centre(edge.j)) / 2.0
+    }
+
     /// CPU twin of `glsl/integrate`: `seen` holds what each texel sees.
     ///
     /// An edge moves as the nearer surface does: by −δ·m/r for a step δ, so that ∇_t E = −Σ (L_i − L_j) ∫ cosθ m dl / r.
@@ -144,20 +161,17 @@ impl Table {
         sum.inverse_distance /= self.weight();
         for edge in &self.edges {
             let (i, j) = (edge.i as usize, edge.j as usize);
-            let between = (self.texels[i].direction + self.texels[j].direction).normalize();
+            let between = self.between(edge).normalize();
             let change = seen[i].radiance - seen[j].radiance;
             sum.translation -= change * inverse_edge_distance(&seen[i], &seen[j], between) * edge.step;
-            // The step's own derivative, the edge staying where it is in space: `slide` in the shader derives it.
             let nearest = seen[i].inverse_distance.max(seen[j].inverse_distance);
-            let (s, m) = (edge.step, edge.middle);
-            let h = DVec3::new(4.0 * s.x * m.x, 2.0 * (s.x * m.y + s.y * m.x), 4.0 * s.y * m.y);
-            sum.hessian -= change * nearest * nearest * h;
+            sum.hessian -= change * nearest * nearest * edge.bend();
         }
         sum
     }
 }
 
-/// 1/distance of the nearer surface where its plane meets the edge; `integrate/body.glsl` says why.
+/// 1/distance of the nearer surface where its plane meets the edge; `inc/sums.glsl` says why.
 fn inverse_edge_distance(a: &Seen, b: &Seen, between: DVec3) -> f64 {
     let near = if a.inverse_distance >= b.inverse_distance { a } else { b };
     let q = near.inverse_distance;

@@ -116,13 +116,16 @@ impl Captures {
         if in_compute {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
             let looks = Looks::new(projection, size, lod_error);
-            let texels = u64::from(looks.texels);
+            let sums = CaptureCompute::sums(device, (geometry, tree), &looks);
+            let texels = u64::from(sums.map_or(looks.texels(), |sums| sums.border));
             let by_texels = Gathered::most_viewed(device, kinds) / texels;
-            let capacity = u64::from(capacity).min(by_texels).max(1);
-            let gathered = Gathered::viewed(device, texels * capacity, kinds)?;
-            let capacity = capacity as u32;
+            let capacity = u64::from(capacity).min(by_texels).max(1) as u32;
+            let gathered = match sums {
+                Some(sums) => Gathered::summed(device, capacity, sums, kinds)?,
+                None => Gathered::viewed(device, texels * u64::from(capacity), kinds)?,
+            };
             let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), &looks, capacity, drawn)?;
-            let texels = looks.texels;
+            let texels = looks.texels();
             return Ok(Self {
                 by: By::Compute(Box::new(capture)),
                 gathered,

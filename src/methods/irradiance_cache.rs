@@ -170,8 +170,8 @@ impl IrradianceCache {
         let quantities = (settings.gradients, settings.radius);
         let integrate = Integrate::new(device, geometry, &captures.captured(), both, sky, quantities, limits)?;
         let Captures { gathered, size, .. } = &captures;
-        let (frames, stride) = (captures.frames(), gathered.kinds.stride());
-        let seen = Seen { frames, gathered: gathered.buffer(), size: *size, stride };
+        let (distances, stride) = gathered.distances();
+        let seen = Seen { frames: captures.frames(), distances, size: *size, stride };
         let seen = settings.rejects_hidden().then_some(seen);
         let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight, seen)?;
         let find = FindUncovered::new(device, gbuffer, &splat.sums, settings.contrast > 0.0)?;

@@ -61,9 +61,9 @@ pub struct Rates {
 pub struct ComputeRates {
     /// Triangles times views that are drawn in a second where triangles are as small as texels.
     pub triangle_views: f64,
-    /// Texels that are cleared, drawn and looked up in a second where triangles are few.
+    /// Texels that are cleared, drawn, looked up and, where subgroups do so, summed in a second where triangles are few.
     pub texels: f64,
-    /// As [`Rates::integrated_texels`], but for the look-up, which is the capture's.
+    /// As [`Rates::integrated_texels`], but for what the capture does itself: the look-up, and most sums where it sums.
     pub integrated_texels: f64,
 }
 

@@ -1,5 +1,9 @@
 //! The fused capture: hemicubes, or hemispheres on a disc, rasterised in compute, in shared memory.
 //!
+//! Where a subgroup draws a face, it also sums it: E, its gradients and second derivatives, 1/R. Of what texels see only what
+//! those at borders between faces see is written then, for the edges that [`super::integrate`] adds, and the sides' distances,
+//! which [`super::splat`] asks for what is hidden.
+//!
 //! The same texels as [`super::capture`] sees, within the rasterisation rules: texels whose centre lies on an edge may fall
 //! to either side, and of two surfaces whose distances differ by less than 2⁻¹³ of the distance either may be seen. Alpha
 //! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
@@ -7,13 +11,15 @@
 
 use super::cluster_tree::ClusterTree;
 use super::counter::Counter;
-use super::gathered::{Gathered, Kinds};
+use super::gathered::{FaceCounts, Gathered, Kinds};
 use super::geometry::Geometry;
-use crate::math::capture::{Projection, Texel};
+use crate::math::capture::{Edge, Faces, Projection, Table, Texel};
 use crate::scene::Scene;
 use crate::vk::{
-    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
-    Specialisation, TexelBuffer, gpu_types::Frame, spirv,
+    Binding, Buffer, BufferView, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result,
+    SetLayout, Specialisation, TexelBuffer,
+    gpu_types::{FaceTexel, Frame},
+    spirv,
 };
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -24,6 +30,13 @@ const LISTED: u32 = 2016;
 const MOST_EXACT: u64 = 1 << 17;
 /// Invocations of a workgroup that is no subgroup.
 const THREADS: u32 = 64;
+/// Steps of a subgroup along a row of texels, at most (`LONGEST_ROW` of the shader).
+const MOST_STEPS: u32 = 8;
+/// Faces of a hemicube.
+const FACES: u32 = 5;
+/// Values of two floats in a surface cell.
+const PAIRS: u64 = 3;
+const TABLES: &str = "capture tables";
 /// Nearest depth that is told from nearer ones, relative to the scene's radius: 32 octaves from there on are told apart, up to
 /// 2¹⁴ times the radius.
 const NEAREST: f32 = 1.0 / (1 << 18) as f32;
@@ -35,6 +48,8 @@ struct Push {
     /// Error of coarse triangles that is allowed at distance 1.
     allowed_error: f32,
     texel_count: u32,
+    /// Texels at borders between faces.
+    border_count: u32,
     /// Cells from here on are coarse ones.
     first_coarse_cell: u32,
     /// Clusters of the tree.
@@ -47,20 +62,41 @@ struct Push {
 pub struct Looks {
     size: u32,
     lod_error: f32,
-    /// Texels of a record.
-    pub texels: u32,
-    /// Of each texel of a disc, its direction and its place in the square (bits).
-    disc: Option<Vec<[f32; 4]>>,
+    table: Table,
+    is_disc: bool,
 }
 
 impl Looks {
     /// By `projection`, a hemicube or a hemisphere, with `size` texels a side; coarse triangles, where the scene has levels
     /// of detail, are wrong by `lod_error` texels at most.
     pub fn new(projection: Projection, size: u32, lod_error: f32) -> Self {
-        let texels = projection.table(size).texels;
-        let spot = |t: &Texel| t.direction.as_vec3().extend(f32::from_bits(t.y * size + t.x)).to_array();
-        let disc = (projection == Projection::Hemisphere).then(|| texels.iter().map(spot).collect());
-        Self { size, lod_error, texels: texels.len() as u32, disc }
+        Self { size, lod_error, table: projection.table(size), is_disc: projection == Projection::Hemisphere }
+    }
+
+    /// Texels of a record.
+    pub fn texels(&self) -> u32 {
+        self.table.texels.len() as u32
+    }
+
+    /// Of each texel of a disc, its direction and its place in the square (bits).
+    fn disc(&self) -> Vec<[f32; 4]> {
+        let spot = |t: &Texel| t.direction.as_vec3().extend(f32::from_bits(t.y * self.size + t.x)).to_array();
+        self.table.texels.iter().map(spot).collect()
+    }
+
+    fn face_texels(&self, faces: &Faces) -> Vec<FaceTexel> {
+        let edge = |edge: &Option<Edge>| {
+            let Some(edge) = edge else { return ([0.0; 4], [0.0; 2]) };
+            let (step, bend) = (edge.step.as_vec3(), edge.bend().as_vec3());
+            let closeness = self.table.between(edge).length_recip() as f32;
+            ([step.x, step.y, closeness, bend.x], [bend.y, bend.z])
+        };
+        let texel = |((t, edges), border): ((&Texel, &[Option<Edge>; 2]), &Option<u32>)| {
+            let (turn, border) = (t.turn().as_vec3(), f32::from_bits(border.map_or(0, |number| number + 1)));
+            let [(left, [a, b]), (up, [c, d])] = edges.each_ref().map(edge);
+            FaceTexel { weights: [t.weight() as f32, turn.x, turn.y, border], left, up, bend: [a, b, c, d] }
+        };
+        self.table.texels.iter().zip(&faces.inner).zip(&faces.border).map(texel).collect()
     }
 }
 
@@ -72,7 +108,8 @@ pub struct CaptureCompute {
     /// Frames to look from.
     pub frames: Buffer,
     views: u32,
-    _disc: Option<TexelBuffer>,
+    _viewed: Option<BufferView>,
+    _table: Option<TexelBuffer>,
     _layout: SetLayout,
 }
 
@@ -93,6 +130,16 @@ impl CaptureCompute {
         too_many.then(corners).or_else(|| scene.too_many_masked())
     }
 
+    /// What is summed face by face, where that is done: by subgroups.
+    pub fn sums(device: &Device, on: (&Geometry, &ClusterTree), looks: &Looks) -> Option<FaceCounts> {
+        let most = device.capabilities.limits.max_texel_buffer_elements;
+        let fits = !looks.is_disc && u64::from(on.0.cell_count) * PAIRS <= u64::from(most);
+        let threads = device.capabilities.subgroup.filter(|_| fits)?;
+        let border = Faces::of(&looks.table).border_count;
+        let counts = FaceCounts { texels: looks.texels(), border, parts: FACES * threads };
+        by_subgroups(device, threads, on, looks.size).then_some(counts)
+    }
+
     /// Captures up to `capacity` times what `looks` says, of the triangles in `tree`, into `gathered`; `sky` where that keeps
     /// it. What is drawn, triangles times views by octets, adds to `drawn`.
     pub fn new(
@@ -103,26 +150,34 @@ impl CaptureCompute {
         capacity: u32,
         drawn: Option<&Counter>,
     ) -> Result<Self> {
-        let (size, is_disc) = (looks.size, looks.disc.is_some());
+        let (size, is_disc) = (looks.size, looks.is_disc);
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
         let frames = Buffer::new(device, "capture frames", frames, Memory::Device)?;
-        let disc =
-            looks.disc.as_ref().map(|disc| TexelBuffer::with_data(device, "capture tables", disc)).transpose()?;
+        let faces = gathered.sums.is_some().then(|| Faces::of(&looks.table));
+        let table = match &faces {
+            Some(faces) => Some(TexelBuffer::with_data(device, TABLES, &looks.face_texels(faces))?),
+            None if is_disc => Some(TexelBuffer::with_data(device, TABLES, &looks.disc())?),
+            None => None,
+        };
+        let summed = gathered.sums.as_ref();
+        let cells = &geometry.cell_radiance;
+        let viewed = summed.map(|_| BufferView::of_pairs(device, cells, "surface radiance")).transpose()?;
         let bindings = [
             Binding::Storage(&frames),
             Binding::TexelBuffer(&tree.octets),
             Binding::TexelBuffer(&tree.corners),
             // What the scene does not have is never read.
             Binding::TexelBuffer(tree.masks.as_ref().unwrap_or(&tree.corners)),
-            Binding::Storage(&geometry.first_cell),
-            Binding::Storage(&geometry.cell_radiance),
+            viewed.as_ref().map_or(Binding::Storage(cells), Binding::View),
             Binding::Storage(sky.unwrap_or(&geometry.first_cell)),
             Binding::Storage(gathered.buffer()),
-            Binding::TexelBuffer(disc.as_ref().unwrap_or(&tree.corners)),
+            Binding::TexelBuffer(table.as_ref().unwrap_or(&tree.corners)),
             Binding::Storage(tree.shown_cell.as_ref().unwrap_or(&geometry.first_cell)),
             Binding::TexelBuffer(&tree.nodes),
             Binding::Storage(drawn.map_or(&frames, Counter::buffer)),
         ];
+        let of_sums = summed.iter().flat_map(|sums| [&sums.distances, &sums.parts].map(Binding::Storage));
+        let bindings: Vec<_> = bindings.into_iter().chain(of_sums).collect();
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
@@ -130,24 +185,23 @@ impl CaptureCompute {
             nearest: geometry.radius * NEAREST,
             // A face is 2 wide at distance 1.
             allowed_error: looks.lod_error * 2.0 / size as f32,
-            texel_count: looks.texels,
+            texel_count: looks.texels(),
+            border_count: faces.map_or(0, |faces| faces.border_count),
             first_coarse_cell: geometry.cell_count,
             clusters: tree.clusters,
             root: tree.root.unwrap_or(0),
         };
         let kinds = gathered.kinds;
         let flags = [tree.masks.is_some(), kinds.sky, kinds.planes, is_disc, tree.has_levels()].map(u32::from);
-        let (threads, code) = match device.capabilities.subgroup.filter(|_| !is_disc) {
-            Some(threads) if by_subgroups(device, threads, (geometry, tree), size) => {
-                (threads, spirv!("capture_compute", "subgroup.comp"))
-            }
-            _ => (THREADS, spirv!("capture_compute", "workgroup.comp")),
+        let views = if is_disc { 1 } else { FACES };
+        let (threads, code) = match summed {
+            Some(sums) => (sums.part_count / views, spirv!("capture_compute", "subgroup.comp")),
+            None => (THREADS, spirv!("capture_compute", "workgroup.comp")),
         };
         let constants =
             Specialisation([size].into_iter().chain(flags).chain([threads, u32::from(drawn.is_some())]).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
-        let views = if is_disc { 1 } else { 5 };
-        Ok(Self { pipeline, set, push, frames, views, _disc: disc, _layout: layout })
+        Ok(Self { pipeline, set, push, frames, views, _viewed: viewed, _table: table, _layout: layout })
     }
 
     /// Captures the first `count` frames.
@@ -166,8 +220,11 @@ fn by_subgroups(device: &Device, threads: u32, (geometry, tree): (&Geometry, &Cl
     // Of levels of detail a view draws and visits a small part: the same is seen by whole workgroups of 4 million triangles.
     let share = |masked: bool| if tree.has_levels() && !masked { 64 } else { 1 };
     let drawn = geometry.ranges.iter().map(|r| r.triangles.len() as u64 / share(r.masked.is_some())).sum::<u64>();
-    let few = drawn * u64::from(size * size) <= MOST_EXACT * 32 * 32 && size <= 64;
-    few && device.is_cpu() && threads >= 8 && THREADS.is_multiple_of(threads)
+    let few = drawn * u64::from(size * size) <= MOST_EXACT * 32 * 32;
+    // Rows of texels are whole steps of a subgroup.
+    let steps = size / threads <= MOST_STEPS && size.is_multiple_of(threads);
+    let fits = threads >= 8 && THREADS.is_multiple_of(threads) && steps;
+    few && fits && device.is_cpu()
 }
 
 /// Values of the larger table that [`super::integrate`] fetches, at most: three for each of two edges a texel.

@@ -46,8 +46,8 @@ pub struct ClusterTree {
     pub octets: TexelBuffer,
     /// The nodes.
     pub nodes: TexelBuffer,
-    /// Three corners a triangle, 64 triangles a cluster, the last ones points where a cluster has fewer; w (bits): number
-    /// of the triangle, then its alpha mask.
+    /// Three corners a triangle, 64 triangles a cluster, the last ones points where a cluster has fewer; w (bits): its first
+    /// surface cell; how many lie along a side, in the upper half, and of its alpha mask; the mask's first texel.
     pub corners: TexelBuffer,
     /// Bits of alpha masks, where the scene has some.
     pub masks: Option<TexelBuffer>,
@@ -88,15 +88,18 @@ impl ClusterTree {
         let mut all = Triangles {
             positions: &scene.positions,
             corners: triangles.to_vec(),
+            first_cell: &[],
             opacity: scene.opacity(triangles, parts),
         };
         let end = triangles.len() as u32;
         let Some(levels) = levels else {
+            all.first_cell = cells.first;
             let groups = Group::in_order(&all.with_bounds(all.clusters(0..end)));
             return Self::of(device, &all, &groups, None);
         };
         all.corners.extend(&levels.triangles);
         cells.first.extend(&levels.first_cell[1..]);
+        all.first_cell = cells.first;
         let mut clusters = levels.clusters;
         clusters.par_iter_mut().for_each(|c| all.sort(&mut c.triangles));
         clusters.extend(all.clusters(opaque..end));
@@ -145,6 +148,8 @@ struct Triangles<'a> {
     positions: &'a [Vec3],
     /// Corners of all triangles, coarse ones included.
     corners: Vec<[u32; 3]>,
+    /// First cell of each, and the end.
+    first_cell: &'a [u32],
     /// Alpha masks; coarse triangles have none.
     opacity: Opacity,
 }
@@ -158,7 +163,9 @@ impl Triangles<'_> {
     fn named(&self, triangle: u32) -> [Vec4; 3] {
         let [a, b, c] = self.corners(triangle);
         let Mask { n, first } = self.opacity.masks.get(triangle as usize).copied().unwrap_or_default();
-        [a.extend(f32::from_bits(triangle)), b.extend(f32::from_bits(n)), c.extend(f32::from_bits(first))]
+        let [cell, end] = [0, 1].map(|i| self.first_cell[triangle as usize + i]);
+        let sides = (end - cell).isqrt() << 16 | n;
+        [a.extend(f32::from_bits(cell)), b.extend(f32::from_bits(sides)), c.extend(f32::from_bits(first))]
     }
 
     fn bounds(&self, cluster: &Cluster) -> Bounds {

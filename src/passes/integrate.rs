@@ -4,7 +4,7 @@ use super::capture::Capture;
 use super::capture_compute::CaptureCompute;
 use super::gathered::Gathered;
 use super::geometry::Geometry;
-use crate::math::capture::{self, Projection, Table};
+use crate::math::capture::{self, Faces, Projection, Table};
 use crate::vk::gpu_types::{Edge, Texel};
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout,
@@ -132,7 +132,9 @@ impl Integrate {
             CapturedBy::Compute(capture) => (&capture.frames, spirv!("integrate", "from_compute.comp"), 1),
         };
         let view = captured.gathered.view();
-        let tables = Tables::new(device, view.is_some(), &gpu_texels(&table), &gpu_edges(&table, gradients))?;
+        let sums = captured.gathered.sums.as_ref();
+        let (gpu_texels, gpu_edges) = tables(&table, sums.is_some(), gradients);
+        let tables = Tables::new(device, view.is_some(), &gpu_texels, &gpu_edges)?;
         let [texels, edges] = tables.bindings();
         let own = [
             Binding::Storage(frames),
@@ -142,6 +144,8 @@ impl Integrate {
             edges,
             view.map_or(Binding::Storage(captured.gathered.buffer()), Binding::TexelBuffer),
         ];
+        let sums_binding = view.map(|_| Binding::Storage(sums.map_or(records, |sums| &sums.parts)));
+        let own: Vec<_> = own.into_iter().chain(sums_binding).collect();
         let of_scene = scene_bindings(geometry, &captured.by, sky);
         let all = [&own[..], &of_scene].into_iter().filter(|bindings| !bindings.is_empty());
         let layouts = all.clone().map(|bindings| SetLayout::of(device, bindings)).collect::<Result<Vec<_>>>()?;
@@ -152,11 +156,12 @@ impl Integrate {
         let is_curved = captured.projection == Projection::Hemisphere;
         let by_hessian = radius == Radius::Hessian && gradients.translation;
         let flags = [sky.is_some(), gradients.rotation, gradients.translation, is_curved, by_hessian];
-        let constants = Specialisation(flags.map(u32::from).to_vec());
+        let parts = sums.map_or(0, |sums| sums.part_count);
+        let constants = Specialisation(flags.map(u32::from).into_iter().chain([parts]).collect());
         let pipeline = ComputePipeline::new("integrate", &pipeline_layout, code, &constants)?;
         let push = Push {
-            texel_count: table.texels.len() as u32,
-            edge_count: table.edges.len() as u32,
+            texel_count: gpu_texels.len() as u32,
+            edge_count: gpu_edges.len() as u32,
             tile_size: captured.size,
             columns,
             inverse_weight: table.weight().recip() as f32,
@@ -189,24 +194,26 @@ fn scene_bindings<'a>(geometry: &'a Geometry, by: &CapturedBy<'a>, sky: Option<&
     ]
 }
 
-fn gpu_texels(table: &Table) -> Vec<Texel> {
+/// Texels and edges that the shader goes through; of faces that are summed those at borders.
+fn tables(table: &Table, summed: bool, gradients: Gradients) -> (Vec<Texel>, Vec<Edge>) {
     let texel = |t: &capture::Texel| {
         let (d, turn) = (t.direction.as_vec3(), t.turn().as_vec3());
         let place = f32::from_bits(t.layer << 16 | t.y << 8 | t.x);
         Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, t.forward as f32] }
     };
-    table.texels.iter().map(texel).collect()
-}
-
-fn gpu_edges(table: &Table, gradients: Gradients) -> Vec<Edge> {
-    let edge = |e: &capture::Edge| {
-        let direction = |i: u32| table.texels[i as usize].direction;
-        let between = (direction(e.i) + direction(e.j)).normalize().as_vec3();
-        Edge {
-            step: [e.step.x as f32, e.step.y as f32, f32::from_bits(e.i), f32::from_bits(e.j)],
-            between: between.extend(0.0).to_array(),
-            middle: [e.middle.x as f32, e.middle.y as f32, 0.0, 0.0],
-        }
+    let edge = |e: &capture::Edge, [i, j]: [u32; 2]| Edge {
+        step: [e.step.x as f32, e.step.y as f32, f32::from_bits(i), f32::from_bits(j)],
+        between: table.between(e).normalize().as_vec3().extend(0.0).to_array(),
+        bend: e.bend().as_vec3().extend(0.0).to_array(),
     };
-    if gradients.translation { table.edges.iter().map(edge).collect() } else { vec![Edge::default()] }
+    let (texels, edges) = if summed {
+        let faces = Faces::of(table);
+        let number = |i: u32| faces.border[i as usize].expect("seams touch texels at borders");
+        let edges = faces.seams.iter().map(|e| edge(e, [e.i, e.j].map(number))).collect();
+        (vec![Texel::default(); faces.border_count as usize], edges)
+    } else {
+        let edges = table.edges.iter().map(|e| edge(e, [e.i, e.j])).collect();
+        (table.texels.iter().map(texel).collect(), edges)
+    };
+    (texels, if gradients.translation { edges } else { vec![Edge::default()] })
 }

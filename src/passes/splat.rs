@@ -51,11 +51,11 @@ pub struct Outputs {
 pub struct Seen<'a> {
     /// Frames of the captures.
     pub frames: &'a Buffer,
-    /// What each texel saw; [`super::gathered`].
-    pub gathered: &'a Buffer,
+    /// 1/distance of what each texel saw; [`super::gathered`].
+    pub distances: &'a Buffer,
     /// Texels a side of the hemicubes.
     pub size: u32,
-    /// Values of a texel in `gathered`.
+    /// Floats from one to the next.
     pub stride: u32,
 }
 
@@ -108,7 +108,7 @@ impl Splat {
             Binding::Texels(&gbuffer.normals),
             // Not read where nothing is asked of them.
             Binding::Storage(seen.map_or(records, |seen| seen.frames)),
-            Binding::Storage(seen.map_or(records, |seen| seen.gathered)),
+            Binding::Storage(seen.map_or(records, |seen| seen.distances)),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;

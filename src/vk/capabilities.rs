@@ -119,7 +119,7 @@ impl Capabilities {
             limits,
             max_views: properties_1_1.max_multiview_view_count,
             max_allocation: properties_1_1.max_memory_allocation_size,
-            subgroup: balloting_subgroup(&properties_1_1),
+            subgroup: talking_subgroup(&properties_1_1),
             device_memory: spare.unwrap_or(heaps),
             draw_indirect_count: features_1_2.draw_indirect_count == vk::TRUE,
             multi_draw_indirect: features.multi_draw_indirect == vk::TRUE,
@@ -171,10 +171,11 @@ fn properties(
     (limits, v11)
 }
 
-fn balloting_subgroup(properties: &vk::PhysicalDeviceVulkan11Properties<'_>) -> Option<u32> {
-    let ballots = properties.subgroup_supported_operations.contains(vk::SubgroupFeatureFlags::BALLOT)
+fn talking_subgroup(properties: &vk::PhysicalDeviceVulkan11Properties<'_>) -> Option<u32> {
+    let needed = vk::SubgroupFeatureFlags::BALLOT | vk::SubgroupFeatureFlags::SHUFFLE;
+    let talks = properties.subgroup_supported_operations.contains(needed)
         && properties.subgroup_supported_stages.contains(vk::ShaderStageFlags::COMPUTE);
-    ballots.then_some(properties.subgroup_size)
+    talks.then_some(properties.subgroup_size)
 }
 
 fn queue_family(instance: &Instance, device: vk::PhysicalDevice) -> Option<u32> {

@@ -4,7 +4,7 @@ use super::buffer::Buffer;
 use super::device::Device;
 use super::error::{Context, Result};
 use super::image::Image;
-use super::texel_buffer::TexelBuffer;
+use super::texel_buffer::{BufferView, TexelBuffer};
 use ash::vk;
 use std::sync::Arc;
 
@@ -15,6 +15,8 @@ pub enum Binding<'a> {
     Storage(&'a Buffer),
     /// A buffer read by `texelFetch`.
     TexelBuffer(&'a TexelBuffer),
+    /// A view of a buffer read by `texelFetch`.
+    View(&'a BufferView),
     /// An image read by `texelFetch`; depth images are expected in the depth read-only layout.
     Texels(&'a Image),
     /// An image read through a sampler.
@@ -25,7 +27,7 @@ impl Binding<'_> {
     fn kind(&self) -> vk::DescriptorType {
         match self {
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
-            Self::TexelBuffer(_) => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
+            Self::TexelBuffer(_) | Self::View(_) => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
             Self::Texels(_) => vk::DescriptorType::SAMPLED_IMAGE,
             Self::Sampled(..) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
         }
@@ -108,13 +110,13 @@ impl DescriptorSet {
         let mut views = [vk::BufferView::null()];
         let write =
             vk::WriteDescriptorSet::default().dst_set(self.raw).dst_binding(index).descriptor_type(binding.kind());
-        let write = match binding {
+        let write = match *binding {
             Binding::Storage(buffer) => {
                 buffers[0].buffer = buffer.raw;
                 write.buffer_info(&buffers)
             }
-            Binding::TexelBuffer(buffer) => {
-                views[0] = buffer.view;
+            Binding::TexelBuffer(TexelBuffer { view, .. }) | Binding::View(view) => {
+                views[0] = view.raw;
                 write.texel_buffer_view(&views)
             }
             Binding::Texels(image) | Binding::Sampled(image, _) => {

@@ -102,8 +102,22 @@ pub struct Edge {
     pub step: [f32; 4],
     /// Local unit direction between the texels' own.
     pub between: [f32; 4],
-    /// Tangential part of the direction of its middle.
-    pub middle: [f32; 4],
+    /// Factors of the second derivatives xx, xy and yy.
+    pub bend: [f32; 4],
+}
+
+/// A texel of a face that is summed where it is rasterised: four values of `texel_table` in `glsl/capture_compute`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct FaceTexel {
+    /// Cosine-weighted solid angle; ∫ n×ω dω (x, y); number plus 1 among those at borders, or 0 (bits).
+    pub weights: [f32; 4],
+    /// Edge to the left: factor of the translation gradient, local (x, y); 1/distance of its middle; factor of ∂²E/∂x².
+    pub left: [f32; 4],
+    /// Edge above, likewise.
+    pub up: [f32; 4],
+    /// Factors of ∂²E/∂x∂y and ∂²E/∂y² of both.
+    pub bend: [f32; 4],
 }
 
 const _: () = {
@@ -115,4 +129,5 @@ const _: () = {
     assert!(size_of::<Material>() == 144);
     assert!(size_of::<Texel>() == 32);
     assert!(size_of::<Edge>() == 48);
+    assert!(size_of::<FaceTexel>() == 64);
 };

@@ -36,5 +36,5 @@ pub use pipeline::{ComputePipeline, GraphicsDesc, GraphicsPipeline, PipelineLayo
 pub use render_pass::{Attachment, Framebuffer, Load, RenderPass, RenderPassDesc};
 pub use shader::Specialisation;
 pub(crate) use shader::spirv;
-pub use texel_buffer::TexelBuffer;
+pub use texel_buffer::{BufferView, TexelBuffer};
 pub use timer::Span;

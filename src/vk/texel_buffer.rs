@@ -9,10 +9,31 @@ use std::sync::Arc;
 
 /// A device buffer of `vec4`s with a view for `texelFetch`.
 pub struct TexelBuffer {
-    pub(super) view: vk::BufferView,
+    /// All of it.
+    pub view: BufferView,
     /// The buffer itself, for what writes it.
     pub buffer: Buffer,
+}
+
+/// A view of a buffer for `texelFetch`; the buffer outlives what uses it.
+pub struct BufferView {
+    pub(super) raw: vk::BufferView,
     device: Arc<Device>,
+}
+
+impl BufferView {
+    /// Of all that `buffer` holds, in values of two floats.
+    pub fn of_pairs(device: &Arc<Device>, buffer: &Buffer, used_for: &'static str) -> Result<Self> {
+        Self::new(device, buffer, used_for, vk::Format::R32G32_SFLOAT)
+    }
+
+    fn new(device: &Arc<Device>, buffer: &Buffer, used_for: &'static str, format: vk::Format) -> Result<Self> {
+        let info = vk::BufferViewCreateInfo::default().buffer(buffer.raw).format(format).range(vk::WHOLE_SIZE);
+        // SAFETY: the buffer is alive, made for this use, and of a format that every device reads so.
+        let raw = unsafe { device.raw.create_buffer_view(&info, None) }.during("creating a buffer view")?;
+        device.name(raw, used_for);
+        Ok(Self { raw, device: device.clone() })
+    }
 }
 
 impl TexelBuffer {
@@ -36,20 +57,14 @@ impl TexelBuffer {
             });
         }
         let buffer = Buffer::unlimited(device, used_for, size, Memory::Device)?;
-        let info = vk::BufferViewCreateInfo::default()
-            .buffer(buffer.raw)
-            .format(vk::Format::R32G32B32A32_SFLOAT)
-            .range(vk::WHOLE_SIZE);
-        // SAFETY: the buffer is alive, made for this use, and of a format that every device reads so.
-        let view = unsafe { device.raw.create_buffer_view(&info, None) }.during("creating a buffer view")?;
-        device.name(view, used_for);
-        Ok(Self { view, buffer, device: device.clone() })
+        let view = BufferView::new(device, &buffer, used_for, vk::Format::R32G32B32A32_SFLOAT)?;
+        Ok(Self { view, buffer })
     }
 }
 
-impl Drop for TexelBuffer {
+impl Drop for BufferView {
     fn drop(&mut self) {
         // SAFETY: every submission that read the buffer has been waited for.
-        unsafe { self.device.raw.destroy_buffer_view(self.view, None) };
+        unsafe { self.device.raw.destroy_buffer_view(self.raw, None) };
     }
 }

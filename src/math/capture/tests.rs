@@ -208,3 +208,40 @@ fn rotation_gradient_of_a_linear_radiance() {
         assert!(errors[0] < bound[0] && errors[1] < bound[1], "{projection:?}: {errors:?}");
     }
 }
+
+/// Every edge is to the left of one texel, above one, or a seam.
+#[test]
+fn faces_have_all_edges() {
+    for n in [2_usize, 8, 32] {
+        let table = Projection::Hemicube.table(n as u32);
+        let faces = Faces::of(&table);
+        let inner: Vec<_> = faces.inner.iter().flatten().flatten().collect();
+        assert_eq!(inner.len() + faces.seams.len(), table.edges.len());
+        assert_eq!(faces.seams.len(), 4 * n + 4 * (n / 2));
+        // Twice n at the top's sides, its corners once; at each side's top and two sides.
+        assert_eq!(faces.border_count as usize, 4 * (n - 1) + 4 * (if n > 2 { 2 * n - 2 } else { n }));
+        for (j, [left, up]) in faces.inner.iter().enumerate() {
+            let place = |i: u32| {
+                let t = &table.texels[i as usize];
+                (t.layer, t.x, t.y)
+            };
+            let (layer, x, y) = place(j as u32);
+            assert!(left.is_none_or(|e| e.j == j as u32 && place(e.i) == (layer, x - 1, y)));
+            assert!(up.is_none_or(|e| e.j == j as u32 && place(e.i) == (layer, x, y - 1)));
+        }
+    }
+}
+
+/// The middle between two texels' centres is that of their edge to the second order in the texel's width; within a face it
+/// lies on its plane, at distance 1 along an axis.
+#[test]
+fn between_is_on_the_face() {
+    let table = Projection::Hemicube.table(32);
+    for edge in &table.edges {
+        let between = table.between(edge);
+        let is_seam = table.texels[edge.i as usize].layer != table.texels[edge.j as usize].layer;
+        let off = (between.normalize() - edge.middle).length();
+        assert!(off < if is_seam { 0.02 } else { 1e-3 }, "{edge:?} {between}");
+        assert!(is_seam || (between.abs().max_element() - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,146 @@
+// Integrates a face where it was rasterised. Of its texels nothing is written but what those at its border see, which meet
+// texels of other faces there (glsl/integrate), and how far away what the sides see is, which tells what is hidden
+// (glsl/splat). Texels pass row by row, as many side by side as there are invocations in the subgroup: what is to the left
+// is the next invocation's, and what is above this one's own, some steps ago. Each invocation leaves its part of every sum.
+#include "inc/sums.glsl"
+
+layout(set = 0, binding = 4) uniform textureBuffer cell_radiance;  // two floats a texel, three a cell: to front and back
+layout(set = 0, binding = 11, std430) buffer Distances { uint inverse_distances[]; };  // of each texel, bits
+layout(set = 0, binding = 12, std430) writeonly buffer Sums { float sums[]; };
+
+vec3 cell_light(uint cell, bool front) {
+    int at = 3 * int(cell) + (front ? 0 : 1);
+    vec2 a = texelFetch(cell_radiance, at).xy, b = texelFetch(cell_radiance, at + 1).xy;
+    return front ? vec3(a, b.x) : vec3(a.y, b);
+}
+
+// Triangles' numbers are kept in place of the distances meanwhile.
+uint meanwhile(uint at) { return inverse_distances[at]; }
+
+void keep(uint at, uint triangle) { inverse_distances[at] = triangle; }
+
+uint triangle_at(uint i, uint key, uint first);
+
+const uint FACES = 5;
+const uint ROW = SIZE / THREADS;  // steps
+const uint LONGEST_ROW = 8;  // MOST_STEPS in capture_compute.rs
+
+struct Seen {
+    vec4 light;   // of surfaces; w: 1/distance
+    vec3 beyond;  // of the sky
+    vec2 onward;  // its plane where it meets the edges to the right and below: 1/depth
+};
+
+// Of the texel before, in a row: the one that the previous invocation sees now, or the last one has just seen.
+vec4 before(vec4 now, vec4 just) {
+    uint me = gl_LocalInvocationID.x;
+    return subgroupShuffle(me == THREADS - 1 ? just : now, (me + THREADS - 1) % THREADS);
+}
+
+Seen left_of(Seen now, Seen just) {
+    vec4 light = before(now.light, just.light);
+    vec4 rest = before(vec4(now.beyond, now.onward.x), vec4(just.beyond, just.onward.x));
+    return Seen(light, rest.xyz, vec2(rest.w, 0.0));
+}
+
+// Over the edge from a texel before to this one; `edge` is its step and 1/distance of its middle.
+void step_over(inout Slide slide, Seen before, Seen now, float onward, float back, vec3 edge, vec3 bend) {
+    float nearest = max(before.light.w, now.light.w), at_edge = before.light.w >= now.light.w ? onward : back;
+    vec3 lit = now.light.rgb - before.light.rgb, open = now.beyond - before.beyond;
+    slide_over(slide, lit, open, edge.xy, bend, at_edge * edge.z, nearest);
+}
+
+// Parts of the integrals over texels.
+struct Part { vec4 value; vec3 x, y, peak; };
+
+void add(inout Part part, vec4 seen, vec3 weight) {
+    part.value += weight.x * seen;
+    part.x += weight.y * seen.rgb;
+    part.y += weight.z * seen.rgb;
+    part.peak = max(part.peak, seen.rgb);
+}
+
+void put(inout uint at, float value) {
+    sums[at] = value;
+    at += FACES * THREADS;
+}
+
+void put3(inout uint at, vec3 v) {
+    put(at, v.x);
+    put(at, v.y);
+    put(at, v.z);
+}
+
+void put_part(inout uint at, Part part, vec3 slope_x, vec3 slope_y) {
+    put3(at, part.value.rgb);
+    put(at, part.value.w);
+    put3(at, part.x);
+    put3(at, part.y);
+    put3(at, slope_x);
+    put3(at, slope_y);
+    put3(at, part.peak);
+}
+
+// Of the plane, from a texel's centre to its edges to the right and below.
+vec2 to_edges(vec3 plane) { return vec2(plane.x, -plane.y) / float(SIZE); }
+
+Seen see(View view, uint key, uint triangle, vec3 way, out vec3 plane, out float inverse_depth) {
+    vec3 light = vec3(0.0), beyond = vec3(0.0);
+    plane = vec3(0.0);
+    if (triangle != 0) look(view, triangle - 1, way, light, plane);
+    if (HAS_SKY != 0 && key == NOTHING) beyond = sky_radiance(way * view.axes);
+    inverse_depth = dot(plane, way);
+    float inverse_distance = max(inverse_depth * inversesqrt(dot(way, way)), 0.0);
+    return Seen(vec4(light, inverse_distance), beyond, inverse_depth + to_edges(plane));
+}
+
+void leave_at_border(uint at, Seen seen, vec3 plane) {
+    gathered[STRIDE * at] = seen.light;
+    if (HAS_SKY != 0) gathered[STRIDE * at + 1] = vec4(seen.beyond, 0.0);
+    gathered[STRIDE * at + STRIDE - 1] = vec4(plane, 0.0);
+}
+
+void tell(View view, uint texels, uint first) {
+    Part lit = Part(vec4(0.0), vec3(0.0), vec3(0.0), vec3(0.0)), open = lit;
+    Slide slide = no_slide();
+    Seen nothing = Seen(vec4(0.0), vec3(0.0), vec2(0.0));
+    Seen above[LONGEST_ROW] = Seen[LONGEST_ROW](nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing);
+    uint me = gl_LocalInvocationID.x, record = first / push.texel_count, base = first % push.texel_count;
+    for (uint i = me; i < texels; i += THREADS) {
+        uint key = keys[i];
+        vec3 plane;
+        float inverse_depth;
+        Seen now = see(view, key, triangle_at(i, key, first), spot_of(i).way, plane, inverse_depth);
+        if (view.face > 0) inverse_distances[first + i] = floatBitsToUint(now.light.w);
+        // Values of src/vk/gpu_types.rs.
+        int at = 4 * int(base + i);
+        vec4 weight = texelFetch(texel_table, at);
+        add(lit, now.light, weight.xyz);
+        if (HAS_SKY != 0) add(open, vec4(now.beyond, 0.0), weight.xyz);
+        if (HAS_TRANSLATION == 0) continue;
+        vec4 to_left = texelFetch(texel_table, at + 1), up = texelFetch(texel_table, at + 2);
+        vec4 bend = texelFetch(texel_table, at + 3);
+        Seen left = left_of(now, above[0]), over = above[ROW - 1];
+        vec2 back = inverse_depth - to_edges(plane);
+        step_over(slide, left, now, left.onward.x, back.x, to_left.xyz, vec3(to_left.w, bend.xy));
+        step_over(slide, over, now, over.onward.y, back.y, up.xyz, vec3(up.w, bend.zw));
+        // One by one, for what is indexed by a variable lies in memory.
+        if (ROW > 7) above[7] = above[6];
+        if (ROW > 6) above[6] = above[5];
+        if (ROW > 5) above[5] = above[4];
+        if (ROW > 4) above[4] = above[3];
+        if (ROW > 3) above[3] = above[2];
+        if (ROW > 2) above[2] = above[1];
+        if (ROW > 1) above[1] = above[0];
+        above[0] = now;
+        uint border = floatBitsToUint(weight.w);
+        if (border != 0) leave_at_border(record * push.border_count + border - 1, now, plane * local_axes(view.face));
+    }
+    uint to = FACES * THREADS * SUMS * record + THREADS * view.face + me;
+    put_part(to, lit, slide.lit_x, slide.lit_y);
+    if (HAS_SKY != 0) put_part(to, open, slide.open_x, slide.open_y);
+    if (HAS_TRANSLATION == 0) return;
+    put3(to, slide.xx);
+    put3(to, slide.xy);
+    put3(to, slide.yy);
+}
