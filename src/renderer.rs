@@ -13,6 +13,7 @@ pub use plan::{LeftOut, Plan};
 pub use settings::{Settings, SettingsError};
 
 use crate::image::Picture;
+use crate::methods::captures::CaptureMode;
 use crate::methods::direct::{DirectLight, Extent, LightSet, TooManyLights, light_sets};
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::methods::{Ground, upload_sky};
@@ -66,7 +67,26 @@ pub struct Rendered {
 pub type OnProgress<'a> = &'a mut dyn FnMut(&'static str, u64, u64);
 
 /// Renders `scene` from `camera`.
+///
+/// Where the device ends the loops of captures in compute that nobody asked for, render passes capture.
 pub fn render(
+    device: &Arc<Device>,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    on_progress: OnProgress<'_>,
+) -> Result<Rendered, RenderError> {
+    match render_as_set(device, scene, camera, settings, on_progress) {
+        Err(RenderError::Vulkan(VulkanError::LoopsEnded)) if settings.cache.capture == CaptureMode::Auto => {
+            let mut settings = settings.clone();
+            settings.cache.capture = CaptureMode::Hemicube;
+            render_as_set(device, scene, camera, &settings, on_progress)
+        }
+        rendered => rendered,
+    }
+}
+
+fn render_as_set(
     device: &Arc<Device>,
     scene: &Scene,
     camera: &Camera,

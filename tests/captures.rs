@@ -8,15 +8,16 @@ use common::build::{Builder, Facing, diffuse};
 use common::closed_forms::{parallelogram, polygon};
 use common::{check_complete, draw, gpu, look, small};
 use glam::{DVec3, Mat3, Vec3, dvec3, vec3, vec4};
+use hemicube::image::metrics::measure as measure_image;
 use hemicube::math::capture::{Projection, seen_by_plane};
 use hemicube::math::form_factor;
 use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
 use hemicube::methods::probes::{Irradiance, Place, Probe, ProbeSettings, Probes};
 use hemicube::passes::integrate::Gradients;
-use hemicube::renderer::{Settings, render};
+use hemicube::renderer::{RenderError, Rendered, Settings, render};
 use hemicube::scene::{Background, EnvironmentMap, Light, Material, Scene, TextureRef, cornell};
 use hemicube::vk::pass::Recorder;
-use hemicube::vk::{Device, DeviceChoice, Instance};
+use hemicube::vk::{self, Device, DeviceChoice, Instance};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -386,4 +387,37 @@ fn sums_of_faces_are_those_of_their_texels() {
             }
         }
     }
+}
+
+/// Sheets over each other, the lowest last: every one of them is drawn all over the view before the next hides it. llvmpipe
+/// ends a shader's loops before that is done; then nobody is shown what is missing.
+#[test]
+fn what_outlasts_the_loops_of_a_device_is_told() {
+    let mut b = Builder::default();
+    let grey = b.material(diffuse(0.5));
+    b.floor(grey, 0.0, 4.0);
+    for i in 0..600 {
+        b.quad(grey, vec3(-4.0, 3.0 - 2.0 * i as f32 / 600.0, -4.0), Vec3::X * 8.0, Vec3::Z * 8.0);
+    }
+    b.light(Light::Point { position: vec3(0.0, 0.5, 0.0), intensity: Vec3::splat(10.0) });
+    let scene = b.build();
+    let camera = look(dvec3(2.0, 0.6, 2.0), dvec3(0.0, 0.0, 0.0), 80.0);
+    let by = |capture| {
+        let mut settings = small(8);
+        (settings.cache.capture, settings.cache.capture_size) = (capture, 32);
+        render(&gpu(), &scene, &camera, &settings, &mut |_, _, _| {})
+    };
+    let hemicubes = by(CaptureMode::Hemicube).unwrap();
+    let whole = hemicubes.picture.layer("irradiance").unwrap();
+    let off = |rendered: Rendered| {
+        let m = measure_image(&rendered.picture.layer("irradiance").unwrap(), &whole, 8, None);
+        eprintln!("{:.2} % off", m.mae * 1e2);
+        m.mae
+    };
+    match by(CaptureMode::Compute) {
+        Err(RenderError::Vulkan(vk::Error::LoopsEnded)) => {}
+        // A device that ends no loops.
+        rendered => assert!(off(rendered.unwrap()) < 0.01),
+    }
+    assert!(off(by(CaptureMode::Auto).unwrap()) < 0.01);
 }

@@ -5,8 +5,8 @@
 #include "inc/sums.glsl"
 
 layout(set = 0, binding = 4) uniform textureBuffer cell_radiance;  // two floats a texel, three a cell: to front and back
-layout(set = 0, binding = 11, std430) buffer Distances { uint inverse_distances[]; };  // of each texel, bits
-layout(set = 0, binding = 12, std430) writeonly buffer Sums { float sums[]; };
+layout(set = 0, binding = 12, std430) buffer Distances { uint inverse_distances[]; };  // of each texel, bits
+layout(set = 0, binding = 13, std430) writeonly buffer Sums { float sums[]; };
 
 vec3 cell_light(uint cell, bool front) {
     int at = 3 * int(cell) + (front ? 0 : 1);

@@ -8,7 +8,7 @@ use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::integrate::{Captured, CapturedBy};
 use crate::scene::Scene;
-use crate::vk::pass::Recording;
+use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Result};
 use std::sync::Arc;
 
@@ -175,6 +175,14 @@ impl Captures {
             By::Compute(capture) => CapturedBy::Compute(capture),
         };
         Captured { by, gathered: &self.gathered, projection: self.projection, size: self.size }
+    }
+
+    /// Makes sure that all that was captured so far is whole.
+    pub fn check(&self, recorder: &mut Recorder) -> Result<()> {
+        match &self.by {
+            By::Compute(capture) => capture.check(recorder),
+            By::Render(_) => Ok(()),
+        }
     }
 
     /// Captures the first `count` frames.

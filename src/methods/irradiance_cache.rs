@@ -225,6 +225,7 @@ impl IrradianceCache {
             }
             progress(stats.records, (index + 1) as f32 / lattices.len() as f32);
         }
+        self.captures.check(recorder)?;
         if let Some(meter) = &self.meter {
             let Captures { texels, drawn_whole, .. } = self.captures;
             stats.work = Some(meter.read(recorder, &self.splat, stats.records, (texels, drawn_whole))?);

@@ -214,7 +214,7 @@ impl<'a> Probes<'a> {
                 Ok(())
             })
         })?;
-        Ok(())
+        Ok(self.captures.check(recorder)?)
     }
 
     fn read(&self, count: usize) -> Vec<Probe> {

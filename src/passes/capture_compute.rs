@@ -16,9 +16,10 @@ use super::geometry::Geometry;
 use crate::math::capture::{Edge, Faces, Projection, Table, Texel};
 use crate::scene::Scene;
 use crate::vk::{
-    Binding, Buffer, BufferView, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result,
-    SetLayout, Specialisation, TexelBuffer,
+    Binding, Buffer, BufferView, Commands, ComputePipeline, DescriptorSet, Device, Error, Memory, PipelineLayout,
+    Result, SetLayout, Specialisation, TexelBuffer,
     gpu_types::{FaceTexel, Frame},
+    pass::Recorder,
     spirv,
 };
 use bytemuck::{Pod, Zeroable};
@@ -108,6 +109,8 @@ pub struct CaptureCompute {
     /// Frames to look from.
     pub frames: Buffer,
     views: u32,
+    /// Not 0 once the device has ended loops; none where it does not.
+    ended: Option<Counter>,
     _viewed: Option<BufferView>,
     _table: Option<TexelBuffer>,
     _layout: SetLayout,
@@ -160,6 +163,7 @@ impl CaptureCompute {
             None => None,
         };
         let summed = gathered.sums.as_ref();
+        let ended = device.is_cpu().then(|| Counter::cleared(device)).transpose()?;
         let cells = &geometry.cell_radiance;
         let viewed = summed.map(|_| BufferView::of_pairs(device, cells, "surface radiance")).transpose()?;
         let bindings = [
@@ -175,6 +179,7 @@ impl CaptureCompute {
             Binding::Storage(tree.shown_cell.as_ref().unwrap_or(&geometry.first_cell)),
             Binding::TexelBuffer(&tree.nodes),
             Binding::Storage(drawn.map_or(&frames, Counter::buffer)),
+            Binding::Storage(ended.as_ref().map_or(&frames, Counter::buffer)),
         ];
         let of_sums = summed.iter().flat_map(|sums| [&sums.distances, &sums.parts].map(Binding::Storage));
         let bindings: Vec<_> = bindings.into_iter().chain(of_sums).collect();
@@ -198,10 +203,10 @@ impl CaptureCompute {
             Some(sums) => (sums.part_count / views, spirv!("capture_compute", "subgroup.comp")),
             None => (THREADS, spirv!("capture_compute", "workgroup.comp")),
         };
-        let constants =
-            Specialisation([size].into_iter().chain(flags).chain([threads, u32::from(drawn.is_some())]).collect());
+        let extras = [drawn.is_some(), ended.is_some()].map(u32::from);
+        let constants = Specialisation([size].into_iter().chain(flags).chain([threads]).chain(extras).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
-        Ok(Self { pipeline, set, push, frames, views, _viewed: viewed, _table: table, _layout: layout })
+        Ok(Self { pipeline, set, push, frames, views, ended, _viewed: viewed, _table: table, _layout: layout })
     }
 
     /// Captures the first `count` frames.
@@ -210,12 +215,25 @@ impl CaptureCompute {
         self.pipeline.layout.push(commands, &self.push);
         self.pipeline.dispatch(commands, [count * self.views, 1, 1]);
     }
+
+    /// Makes sure that all that was captured so far is whole.
+    pub fn check(&self, recorder: &mut Recorder) -> Result<()> {
+        let Some(ended) = &self.ended else { return Ok(()) };
+        recorder.submit(|recording| {
+            recording.pass("readback", |c| {
+                ended.record_readback(c);
+                Ok(())
+            })
+        })?;
+        if ended.read() == 0 { Ok(()) } else { Err(Error::LoopsEnded) }
+    }
 }
 
 /// Whether a workgroup is to be one subgroup, of so many invocations: on a CPU whose vector unit runs one. A driver that has to
 /// stop and go on with invocations keeps their variables in memory (llvmpipe: 1.4 times the time). But all of a view's work falls
 /// to one then, and llvmpipe ends every loop of an invocation after 65,535 rounds of all its loops together: only where few
-/// triangles are drawn as they are, the fewer the more texels they have.
+/// triangles are drawn as they are, the fewer the more texels they have. Where large ones lie
+/// over each other that may still be too much, which the shader tells ([`CaptureCompute::check`]).
 fn by_subgroups(device: &Device, threads: u32, (geometry, tree): (&Geometry, &ClusterTree), size: u32) -> bool {
     // Of levels of detail a view draws and visits a small part: the same is seen by whole workgroups of 4 million triangles.
     let share = |masked: bool| if tree.has_levels() && !masked { 64 } else { 1 };

@@ -28,6 +28,15 @@ impl Counter {
         commands.fill(&self.buffer, 0);
     }
 
+    /// One that starts from 0 already.
+    pub fn cleared(device: &Arc<Device>) -> Result<Self> {
+        let counter = Self::new(device)?;
+        let commands = Commands::begin(device)?;
+        counter.record_clear(&commands);
+        commands.finish()?;
+        Ok(counter)
+    }
+
     /// Copies the count to the CPU.
     pub fn record_readback(&self, commands: &Commands) {
         barrier::full(commands);

@@ -45,6 +45,12 @@ pub enum Error {
         /// The device's limit.
         limit: String,
     },
+    /// The device ended a shader's loops before they were done.
+    #[error(
+        "the device ends loops of captures in compute before all that they see is drawn (llvmpipe: after 65,535 rounds a view); \
+         render passes draw it: --capture hemicube"
+    )]
+    LoopsEnded,
     /// The memory allocator failed.
     #[error("allocating {name} ({bytes} bytes) on the device failed: {reason}")]
     Allocation {
