@@ -43,7 +43,8 @@ fn fragments_of_splats_are_counted_and_few() {
     let pixels = records.len() as f64;
     let weightless = 1.0 - work.weighted_fragments as f64 / work.fragments as f64;
     eprintln!("{:.1} fragments a pixel, {:.1} % without weight", work.fragments as f64 / pixels, 100.0 * weightless);
-    assert!(work.fragments as f64 / pixels < 10.0 && weightless < 0.8, "{work:?}");
+    // A disc fills π/4 of its square; seen at 60° it is half as wide, and half of the sphere about it stands above.
+    assert!(work.fragments as f64 / pixels < 8.0 && weightless < 0.72, "{work:?}");
 
     let mut settings = small(128);
     settings.cache.contrast = 0.0;

@@ -9,3 +9,4 @@ pub mod sampling;
 pub mod sequence;
 pub mod visibility;
 pub mod ward;
+pub mod zone;
