@@ -95,12 +95,14 @@ fn render_as_set(
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
     let mut clock = Clock::new();
-    let cut = settings.longest_side(scene, Some(device)).map(|share| tessellated(scene, share));
+    let limit = settings.side_limit(scene, camera, Some(device));
+    let cut = limit.cuts(scene).then(|| scene.tessellated(&limit));
     let scene = cut.as_ref().unwrap_or(scene);
     if cut.is_some() {
         clock.lap("tessellate");
     }
-    let plan = Plan::of(scene, settings, Some(device));
+    let plan = Plan::of(scene, camera, settings, Some(device));
+    let plan = if cut.is_some() { plan.of_cut() } else { plan };
     memory::check(device, scene, &plan, settings)?;
     let size = [settings.width, settings.height];
     let view = View::new(scene, camera, size);
@@ -108,7 +110,7 @@ fn render_as_set(
     // What the scene is made of.
     let textures = Textures::new(device, scene)?;
     let textures = textures.as_ref();
-    let geometry = Geometry::new(device, scene, plan.surface_cells, plan.detail())?;
+    let geometry = Geometry::new(device, scene, &plan.surface_cells, plan.detail())?;
     let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
     clock.lap("upload scene");
 
@@ -210,12 +212,6 @@ fn build_lights(
     }
     let triangles = Arc::new(ground.geometry.linked_triangles(device, &ground.scene.positions)?);
     sets.into_iter().map(|set| DirectLight::new(device, set, ground, &triangles, pixels, cells)).collect()
-}
-
-/// The scene with no side longer than a share of its diagonal.
-fn tessellated(scene: &Scene, share: f32) -> Scene {
-    let (low, high) = scene.bounds();
-    scene.tessellated((high - low).length() * share)
 }
 
 /// Splits the time since it was made into named stages.

@@ -15,7 +15,7 @@ use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
 use hemicube::methods::probes::{Irradiance, Place, Probe, ProbeSettings, Probes};
 use hemicube::passes::integrate::Gradients;
 use hemicube::renderer::{RenderError, Rendered, Settings, render};
-use hemicube::scene::{Background, EnvironmentMap, Light, Material, Scene, TextureRef, cornell};
+use hemicube::scene::{Background, EnvironmentMap, Light, Material, Scene, SideLimit, TextureRef, cornell};
 use hemicube::vk::pass::Recorder;
 use hemicube::vk::{self, Device, DeviceChoice, Instance};
 use std::f64::consts::PI;
@@ -149,7 +149,7 @@ fn deviations(scene: &Scene, corners: &[DVec3; 4], capture: CaptureMode, size: u
 #[test]
 fn a_rectangle_converges_by_every_kind() {
     let (scene, corners) = rectangle();
-    let fine = scene.tessellated(0.04);
+    let fine = scene.tessellated(&SideLimit::even(0.04));
     for capture in WHOLE {
         let scene = if capture == CaptureMode::Hemisphere { &fine } else { &scene };
         let errors = [16, 32, 64].map(|size| deviations(scene, &corners, capture, size));
@@ -203,7 +203,7 @@ fn alpha_masks_are_seen_through_by_every_kind() {
         polygon(DVec3::ZERO, DVec3::Y, &parallelogram(corner, DVec3::X * side, DVec3::Z * side))
     };
     let expected = PI - (0..64).filter(|i| (i + i / 8) % 2 == 0).map(closed).sum::<f64>();
-    let fine = scene.tessellated(0.1);
+    let fine = scene.tessellated(&SideLimit::even(0.1));
     for capture in WHOLE {
         let scene = if capture == CaptureMode::Hemisphere { &fine } else { &scene };
         let e = mean(&measure(scene, capture, 64, &turned(Vec3::ZERO, 32)), |p| p.sky.unwrap().value.y) / expected;

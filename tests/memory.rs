@@ -8,7 +8,7 @@ use common::build::{Builder, Facing, diffuse, look};
 use common::small;
 use glam::{Vec3, dvec3, vec3};
 use hemicube::passes::cluster_tree::Detail;
-use hemicube::passes::geometry::{Geometry, needs};
+use hemicube::passes::geometry::{CellBudget, Geometry, needs};
 use hemicube::renderer::{RenderError, TooLarge, render};
 use hemicube::scene::{Light, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance};
@@ -33,9 +33,9 @@ fn needs_are_what_is_allocated() {
     for (rings, cells, detail) in
         [(20, 1 << 16, None), (70, 1 << 14, Some(Detail::Exact)), (200, 1 << 18, Some(Detail::Levels))]
     {
-        let (scene, device) = (sphere(rings), device());
-        let needs = needs(&device, &scene, cells, detail, true);
-        let geometry = Geometry::new(&device, &scene, cells, detail).unwrap();
+        let (scene, device, cells) = (sphere(rings), device(), CellBudget::even(cells));
+        let needs = needs(&device, &scene, &cells, detail, true);
+        let geometry = Geometry::new(&device, &scene, &cells, detail).unwrap();
         let _linked = geometry.linked_triangles(&device, &scene.positions).unwrap();
         let taken = device.memory().by_use;
         for (used_for, bytes) in &taken {

@@ -36,6 +36,7 @@ layout(push_constant) uniform Push {
     uint light_count;
     uint points;       // points in a cell for each light sample
     float lift;
+    uint stride;       // of pairs of a light sample and a point a cell takes one in so many, from a place of its own on
 } push;
 
 #include "inc/cells.glsl"
@@ -130,21 +131,22 @@ void main() {
     Material material = materials[push.material];
 
     vec3 front = vec3(0.0), back = vec3(0.0);
-    uint samples = push.light_count * push.points, absent = 0;
-    for (uint start = 0; start < samples; start += 32) {
+    uint samples = push.light_count * push.points, taken = 0, absent = 0;
+    for (uint start = pcg(cell ^ push.first_light) % push.stride; start < samples; start += 32 * push.stride) {
         // Of up to 32 pairs of light sample and point: which are lit, which too close to an edge to tell so quickly.
-        uint lit = 0, close = 0, end = min(32, samples - start);
+        uint lit = 0, close = 0, end = min(32, (samples - start + push.stride - 1) / push.stride);
+        taken += end;
         uvec3 tries = uvec3(0);
         for (uint i = 0; i < end; ++i) {
             if (HAS_MASK != 0) {
-                uint n = present_try(start + i, corners, material, r, cell, first);
+                uint n = present_try(start + i * push.stride, corners, material, r, cell, first);
                 if (n == TRIES) {
                     ++absent;
                     continue;
                 }
                 tries |= (uvec3(n, n >> 1, n >> 2) & 1) << i;
             }
-            Sample s = sample_at(start + i, corners, place_of(start + i, r, cell, first, try_of(tries, i)));
+            Sample s = sample_at(start + i * push.stride, corners, place_of(start + i * push.stride, r, cell, first, try_of(tries, i)));
             if (!any(greaterThan(s.irradiance, vec3(0.0)))) continue;
             uint shadow = shadow_at(s.light, s.lifted, corners.geometric);
             if (shadow == LIT) lit |= 1u << i;
@@ -152,12 +154,12 @@ void main() {
         }
         for (; close != 0; close &= close - 1) {
             uint i = findLSB(close);
-            Sample s = sample_at(start + i, corners, place_of(start + i, r, cell, first, try_of(tries, i)));
+            Sample s = sample_at(start + i * push.stride, corners, place_of(start + i * push.stride, r, cell, first, try_of(tries, i)));
             if (is_lit(s.light, triangle, s.lifted, corners.geometric)) lit |= 1u << i;
         }
         for (; lit != 0; lit &= lit - 1) {
             uint i = findLSB(lit);
-            Sample s = sample_at(start + i, corners, place_of(start + i, r, cell, first, try_of(tries, i)));
+            Sample s = sample_at(start + i * push.stride, corners, place_of(start + i * push.stride, r, cell, first, try_of(tries, i)));
             Surface surface = surface_of(corners, material, s.uv);
             vec3 leaving = surface.albedo.rgb * s.irradiance / (PI * float(push.points));
             float cosine = dot(surface.normal, s.direction);
@@ -165,8 +167,8 @@ void main() {
             else back += leaving * max(-cosine, 0.0);
         }
     }
-    // The pairs without a point of the surface stand for those with one. Of what has none nothing is seen.
-    float share = absent < samples ? float(samples) / float(samples - absent) : 0.0;
+    // Pairs that are taken stand for the others, and for those without a point of the surface. Of what has none nothing is seen.
+    float share = absent < taken ? float(push.stride * taken) / float(taken - absent) : 0.0;
     for (int k = 0; k < 3; ++k) {
         cell_radiance[6 * cell + k] += share * front[k];
         cell_radiance[6 * cell + 3 + k] += share * back[k];

@@ -5,7 +5,7 @@ use anyhow::Result;
 use clap::Args;
 use hemicube::methods::rates::Rates;
 use hemicube::renderer::{Plan, Settings, check_memory, largest_of, memory_needs};
-use hemicube::scene::Scene;
+use hemicube::scene::{Camera, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
 use std::process::ExitCode;
 
@@ -27,15 +27,15 @@ pub struct InfoArgs {
 pub fn run(args: &InfoArgs) -> Result<ExitCode> {
     if args.scene.scene.is_some() {
         let scene = args.scene.load()?;
-        let (_, note) = args.scene.camera(&scene)?;
-        describe(&scene, note.as_deref());
+        let (camera, note) = args.scene.camera(&scene)?;
+        describe(&scene, &camera, note.as_deref());
     } else {
         devices(args.measure)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn describe(scene: &Scene, note: Option<&str>) {
+fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
     let (low, high) = scene.bounds();
     println!("scene      {}", scene.name);
     println!("triangles  {}", scene.triangles.len());
@@ -50,7 +50,7 @@ fn describe(scene: &Scene, note: Option<&str>) {
     let settings = Settings::default();
     // Without a device there is still much to say.
     let device = Instance::new(false).and_then(|instance| Device::new(instance, &DeviceChoice::Best)).ok();
-    let plan = Plan::of(scene, &settings, device.as_deref());
+    let plan = Plan::of(scene, camera, &settings, device.as_deref());
     if let Some(device) = &device {
         let needs = memory_needs(device, scene, &plan, &settings);
         let bytes: u64 = needs.iter().map(|need| need.bytes).sum();

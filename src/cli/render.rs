@@ -57,7 +57,8 @@ pub struct RenderArgs {
     /// Samples of all emissive triangles together, one for each at least; the noise of soft shadows falls with their number
     #[arg(long, value_name = "N", help_heading = "Light")]
     light_samples: Option<u32>,
-    /// Cells that the surfaces are cut into to hold their lit radiance, about; each triangle has at least one
+    /// Cells that the surfaces are cut into to hold their lit radiance, about, finer where the camera is near; each triangle
+    /// has at least one
     #[arg(long, value_name = "N", help_heading = "Light")]
     surface_cells: Option<u32>,
     /// Ward's a: a record reaches a times the harmonic mean distance of what it sees. Smaller: more records, less error
@@ -248,7 +249,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let mut report = Report::new(args.talk, started, &device);
     report.stage("load scene", loaded);
     report.stage("open device", started.elapsed() - loaded);
-    report.scene(&scene, note.as_deref(), &settings);
+    report.scene(&scene, &camera, note.as_deref(), &settings);
     let rendered = run_with_progress(&device, &scene, &camera, &settings, args.talk)?;
     report.check(&rendered.picture);
     let writing = Instant::now();

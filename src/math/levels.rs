@@ -13,6 +13,7 @@ mod cells;
 mod tests;
 
 use super::adjacency;
+use super::density::Density;
 use cells::Piece;
 use glam::Vec3;
 use meshopt::{ClodConfig, ClodMesh, VertexDataAdapter};
@@ -81,8 +82,8 @@ pub struct Surface<'a> {
     pub triangles: &'a [[u32; 3]],
     /// First cell of each triangle, and the end.
     pub first_cell: &'a [u32],
-    /// Area of a cell, about.
-    pub cell_area: f64,
+    /// How densely it is cut into cells.
+    pub density: &'a Density,
 }
 
 /// Numbers from which coarse things are counted: more than the surface's, which others may follow.
@@ -125,8 +126,9 @@ impl Levels {
         let mut graph = Graph::new(surface.positions, &welded);
         let (triangles, errors) = graph.name_triangles(&welded, first.triangle);
         // Where it is shown, an error of the surface may be seen: no finer need its light be.
-        let area = |error: f32| surface.cell_area.max(f64::from(error).powi(2));
-        let resolution = |(t, e): (&[u32; 3], &f32)| cells::resolution(&corners(surface.positions, *t), area(*e));
+        let resolution = |(t, e): (&[u32; 3], &f32)| {
+            surface.density.resolution(&corners(surface.positions, *t), f64::from(*e).powi(2))
+        };
         let resolutions: Vec<u32> = triangles.iter().zip(&errors).map(resolution).collect();
         let mut first_cell = vec![first.cell];
         first_cell.extend(resolutions.iter().scan(first.cell, |next, r| {

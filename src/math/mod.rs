@@ -3,6 +3,7 @@
 pub mod adjacency;
 pub mod capture;
 pub mod cells;
+pub mod density;
 pub mod form_factor;
 pub mod levels;
 pub mod sampling;

@@ -111,7 +111,7 @@ impl DirectLight {
                     Ok(())
                 })?;
                 if let Some(surface) = &self.surface {
-                    let batch = Batch { first: first as u32, count, points, lift: self.lift };
+                    let batch = Batch { first: first as u32, count, points, lift: self.lift, stride: self.set.stride };
                     recording.pass("surface_light", |c| {
                         surface.record(c, ground.scene, ground.geometry, ground.textures, batch);
                         Ok(())

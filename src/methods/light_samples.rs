@@ -14,6 +14,14 @@ use std::f32::consts::PI;
 /// Most punctual lights that are rendered: each costs shadow views and a lookup at every pixel and surface cell.
 pub const MAX_LIGHTS: usize = 4096;
 
+/// Samples of the sky that a surface cell needs.
+const SAMPLES_OF_CELL: u32 = 32;
+
+/// Of how many samples of the sky a surface cell takes one, others than its neighbours do: captures see the mean of many.
+fn sky_stride(samples: usize) -> u32 {
+    (samples as u32 / SAMPLES_OF_CELL).max(1)
+}
+
 /// Kinds of light samples (`glsl/shared/types.glsl`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LightKind {
@@ -58,6 +66,8 @@ pub struct LightSet {
     pub faces: Vec<Face>,
     /// Lights the surface cells only.
     pub cells_only: bool,
+    /// Of how many samples a surface cell takes one.
+    pub stride: u32,
 }
 
 /// How finely lights are sampled.
@@ -122,6 +132,7 @@ pub fn light_sets(
     if sky {
         sets[5].cells_only = true;
         add_sky(&scene.background, extent, settings.sky_samples, &mut sets[5]);
+        sets[5].stride = sky_stride(sets[5].samples.len());
     }
     sets.retain(|set| !set.samples.is_empty());
     Ok(sets)
@@ -135,7 +146,17 @@ fn shrink(largest: u32, lights: usize) -> u32 {
 
 impl LightSet {
     fn empty(name: &'static str, kind: LightKind, views: Views, shadow_size: u32) -> Self {
-        Self { name, kind, views, shadow_size, frames: vec![], samples: vec![], faces: vec![], cells_only: false }
+        Self {
+            name,
+            kind,
+            views,
+            shadow_size,
+            frames: vec![],
+            samples: vec![],
+            faces: vec![],
+            cells_only: false,
+            stride: 1,
+        }
     }
 
     /// Scale that leaves two texels around each face of a cube, so that what lies beyond its edge is seen from both sides.

@@ -9,7 +9,7 @@ use super::direct::{DirectLight, Extent, LightSettings, TooManyLights, light_set
 use super::{Ground, upload_sky};
 use crate::math::cells;
 use crate::passes::cluster_tree::Detail;
-use crate::passes::geometry::Geometry;
+use crate::passes::geometry::{CellBudget, Geometry};
 use crate::passes::integrate::{Gradients, Integrate, Limits, Radius};
 use crate::passes::material::Textures;
 use crate::scene::Scene;
@@ -117,7 +117,12 @@ impl<'a> Probes<'a> {
         let size = settings.capture_size;
         let textures = Textures::new(device, scene)?;
         let in_compute = settings.capture.against_compute(device, scene, size).is_none();
-        let geometry = Geometry::new(device, scene, settings.surface_cells, in_compute.then_some(Detail::Exact))?;
+        let geometry = Geometry::new(
+            device,
+            scene,
+            &CellBudget::even(settings.surface_cells),
+            in_compute.then_some(Detail::Exact),
+        )?;
         let has_sky = !scene.background.is_black();
         let sky = has_sky.then(|| upload_sky(device, &scene.background)).transpose()?;
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };

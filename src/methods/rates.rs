@@ -11,7 +11,7 @@ use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::gbuffer::GBuffer;
-use crate::passes::geometry::{Detail, Geometry};
+use crate::passes::geometry::{CellBudget, Detail, Geometry};
 use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits, Radius};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
 use crate::scene::Scene;
@@ -71,7 +71,7 @@ impl Rates {
     /// Measures `device`: well below a second on a GPU, a few seconds on a CPU.
     pub fn measure(device: &Arc<Device>) -> Result<Self> {
         let scene = sphere(RINGS);
-        let geometry = Geometry::new(device, &scene, 1, None)?;
+        let geometry = Geometry::new(device, &scene, &CellBudget::even(1), None)?;
         let ground = Ground { scene: &scene, geometry: &geometry, textures: None };
         let mut stopwatch = Stopwatch { recorder: Recorder::new(device) };
         let (triangle_views, integrated_texels) = captures(device, &ground, &mut stopwatch)?;
@@ -126,7 +126,7 @@ fn compute(device: &Arc<Device>, stopwatch: &mut Stopwatch) -> Result<Option<Com
 }
 
 fn compute_on(device: &Arc<Device>, scene: &Scene, stopwatch: &mut Stopwatch) -> Result<ComputeRates> {
-    let geometry = Geometry::new(device, scene, 1, Some(Detail::Exact))?;
+    let geometry = Geometry::new(device, scene, &CellBudget::even(1), Some(Detail::Exact))?;
     let ground = Ground { scene, geometry: &geometry, textures: None };
     let drawn = Counter::new(device)?;
     let looks = (CaptureMode::Compute, CAPTURE_SIZE, 0.0);

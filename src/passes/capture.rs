@@ -309,6 +309,7 @@ fn render_pass(device: &Arc<Device>, desc: &CaptureDesc, view_masks: &[u32]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::passes::geometry::CellBudget;
     use crate::vk::{Commands, DeviceChoice, Instance, barrier};
 
     /// A frame at the middle of the built-in Cornell box, looking up, turned a little.
@@ -345,7 +346,7 @@ mod tests {
     fn multi_view_draws_and_culled_views_see_the_same() {
         let device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
         let scene = crate::scene::cornell();
-        let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
+        let geometry = Geometry::new(&device, &scene, &CellBudget::even(1000), None).unwrap();
         let whole = identities(&device, &geometry, &scene, false);
         let culled = identities(&device, &geometry, &scene, true);
         for layer in 0..5 {
@@ -368,7 +369,7 @@ mod tests {
             for culled in [false, true] {
                 let [whole, fans] = [true, false].map(|clips| {
                     Arc::get_mut(&mut device).unwrap().capabilities.clips_before_setup = clips;
-                    let geometry = Geometry::new(&device, &scene, 1000, None).unwrap();
+                    let geometry = Geometry::new(&device, &scene, &CellBudget::even(1000), None).unwrap();
                     identities(&device, &geometry, &scene, culled)
                 });
                 let differ = whole.iter().zip(&fans).filter(|(a, b)| a != b).count();

@@ -6,6 +6,7 @@ mod nodes;
 mod sort;
 
 use super::geometry::CLUSTER;
+use crate::math::density::Density;
 use crate::math::levels::{Bound, Cluster, First, Levels, Surface};
 use crate::scene::opacity::{Mask, Opacity};
 use crate::scene::{Part, Scene};
@@ -59,8 +60,8 @@ pub struct ClusterTree {
 pub struct Cells<'a> {
     /// First cell of each triangle, and the end; coarse triangles are added.
     pub first: &'a mut Vec<u32>,
-    /// Area of a cell, about.
-    pub area: f64,
+    /// How densely the surface is cut into them.
+    pub density: &'a Density,
 }
 
 impl ClusterTree {
@@ -80,8 +81,8 @@ impl ClusterTree {
         let opaque = scene.opaque_count();
         let levels = (detail == Detail::Levels).then(|| {
             let (positions, first_cell) = (&scene.positions, &*cells.first);
-            let surface =
-                Surface { positions, triangles: &triangles[..opaque as usize], first_cell, cell_area: cells.area };
+            let simplified = &triangles[..opaque as usize];
+            let surface = Surface { positions, triangles: simplified, first_cell, density: cells.density };
             let first = First { triangle: triangles.len() as u32, cell: cells.first[triangles.len()] };
             Levels::new(&surface, first)
         });

@@ -4,7 +4,7 @@ mod cells;
 mod needs;
 mod order;
 
-pub use cells::count as cell_count;
+pub use cells::{CellBudget, count as cell_count};
 pub use needs::{Need, needs};
 
 pub use super::cluster_tree::Detail;
@@ -96,13 +96,13 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Uploads `scene`, its surface cut into about `cells` cells.
+    /// Uploads `scene`, its surface cut into `cells`.
     ///
     /// With `detail`, hemicubes are rasterised in compute, from a tree of clusters.
-    pub fn new(device: &Arc<Device>, scene: &Scene, cells: u32, detail: Option<Detail>) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, scene: &Scene, cells: &CellBudget, detail: Option<Detail>) -> Result<Self> {
         let order = Order::new(scene);
         let triangles = &order.triangles;
-        let (mut first_cell, cell_triangle, cell_area) = cells::cut(scene, triangles, cells);
+        let (mut first_cell, cell_triangle, density) = cells::cut(scene, triangles, cells);
         let spheres: Vec<[f32; 4]> =
             order.ranges.iter().flat_map(|r| clusters(scene, &triangles[as_usize(&r.triangles)])).collect();
         let part_cells = order
@@ -111,7 +111,7 @@ impl Geometry {
             .map(|p| first_cell[p.first_triangle as usize])
             .chain(first_cell.last().copied())
             .collect();
-        let cells = Cells { first: &mut first_cell, area: cell_area };
+        let cells = Cells { first: &mut first_cell, density: &density };
         let new_tree = |detail| ClusterTree::new(device, scene, (triangles, &order.parts), cells, detail);
         let tree = detail.map(new_tree).transpose()?;
 

@@ -20,6 +20,7 @@ struct Push {
     light_count: u32,
     points: u32,
     lift: f32,
+    stride: u32,
 }
 
 /// The pass for one kind of light.
@@ -40,6 +41,8 @@ pub struct Batch {
     pub points: u32,
     /// How far a point stands off its surface when looked up.
     pub lift: f32,
+    /// Of pairs of a sample and a point a cell takes one in so many, others than its neighbours do.
+    pub stride: u32,
 }
 
 impl SurfaceLight {
@@ -102,6 +105,7 @@ impl SurfaceLight {
                 light_count: batch.count,
                 points: batch.points,
                 lift: batch.lift,
+                stride: batch.stride,
             };
             pipeline.layout.push(commands, &push);
             pipeline.dispatch(commands, groups(count, 64));

@@ -1,5 +1,6 @@
 //! The camera as the passes need it.
 
+use crate::math::density::Eye;
 use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
 use crate::passes::place_records::Placement;
@@ -24,6 +25,13 @@ pub(super) struct View {
     scale: Vec2,
     perspective: bool,
     size: [u32; 2],
+}
+
+/// Where surfaces are looked at from; a parallel projection looks from nowhere.
+pub(super) fn eye(scene: &Scene, camera: &Camera) -> Option<Eye> {
+    let (low, high) = scene.bounds();
+    let at = || Eye::new(camera.camera_to_world.w_axis.truncate().as_vec3(), (high - low).length() * 0.5);
+    matches!(camera.lens, Lens::Perspective { .. }).then(at)
 }
 
 impl View {

@@ -54,7 +54,7 @@ pub enum TooLarge {
 
 /// Device memory that a frame will take, about, by use: the largest first.
 pub fn memory_needs(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Vec<Need> {
-    let mut all = needs(device, scene, plan.surface_cells, plan.detail(), plan.lights);
+    let mut all = needs(device, scene, &plan.surface_cells, plan.detail(), plan.lights);
     let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
     let rest = [("textures", textures), ("the image", image), ("batches", FRAME)];

@@ -1,17 +1,20 @@
 //! The plan: what a scene needs, and why the rest is left out.
 
 use super::Settings;
+use super::camera::eye;
 use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
-use crate::passes::geometry::cell_count;
+use crate::passes::geometry::{CellBudget, cell_count};
 use crate::passes::resolve::Plane;
-use crate::scene::{Background, Light, Part, Scene};
+use crate::scene::{Background, Camera, Light, Part, Scene};
 use crate::vk::Device;
 use glam::Vec3;
 
 /// Opaque triangles from which levels of detail are made. Fewer are drawn sooner than coarser ones made.
 const FEWEST_FOR_LEVELS: u32 = 1 << 17;
+
+const TESSELLATE: &str = "tessellate";
 
 /// A part that does not run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,7 +26,7 @@ pub struct LeftOut {
 }
 
 /// What is built and run for a scene.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// Names of the passes and parts that run, in order.
     pub run: Vec<&'static str>,
@@ -42,19 +45,23 @@ pub struct Plan {
     /// With levels of detail.
     pub levels: bool,
     /// Cells that the surface is cut into; one a triangle where no capture reads them.
-    pub surface_cells: u32,
+    pub surface_cells: CellBudget,
 }
 
 impl Plan {
     /// Plans a frame of `scene`.
     ///
     /// Without a device, captures are taken to be render passes.
-    pub fn of(scene: &Scene, settings: &Settings, device: Option<&Device>) -> Self {
+    pub fn of(scene: &Scene, camera: &Camera, settings: &Settings, device: Option<&Device>) -> Self {
         let facts = Facts::of(scene);
         let full = settings.full_plan;
         let mut plan = Self::default();
-        let cut = settings.longest_side(scene, device).is_some();
-        plan.part("tessellate", cut, "no projection bends the sides of triangles, and none are to be cut");
+        let cut = settings.side_limit(scene, camera, device).cuts(scene);
+        plan.part(
+            TESSELLATE,
+            cut,
+            "no side is longer than its distance from the eye, or than captures and settings allow",
+        );
         plan.run.push("gbuffer");
         plan.emission = plan.part("emission", facts.emits || full, "no material emits");
         plan.part("textures", facts.textured, "no material has a texture");
@@ -98,14 +105,21 @@ impl Plan {
         let drawn = plan.lights || (plan.captures && !plan.compute);
         let whole = if drawn { format!("{triangles} triangles are drawn whole") } else { "nothing to cull for".into() };
         plan.part("cull", drawn && triangles > WHOLE_SCENE as usize, whole);
-        plan.surface_cells =
-            if indirect { settings.surface_cells.unwrap_or_else(|| cells(scene, settings)) } else { 1 };
+        plan.surface_cells = if indirect { cells(scene, camera, settings) } else { CellBudget::even(1) };
         if plan.captures {
             let counted = settings.planes.contains(&Plane::Records);
             plan.part("record counts", counted, "the layer \"records\" is not asked for");
         }
         plan.run.push("resolve");
         plan
+    }
+
+    /// Notes that it is for a scene that was cut.
+    pub(super) fn of_cut(mut self) -> Self {
+        self.left_out.retain(|left| left.pass != TESSELLATE);
+        self.run.retain(|part| *part != TESSELLATE);
+        self.run.insert(0, TESSELLATE);
+        self
     }
 
     /// How records look at the scene, and what that leaves out.
@@ -143,20 +157,25 @@ impl Plan {
 /// Radiance of so many cells fits into a buffer on every device (maxStorageBufferRange is 2²⁷ bytes).
 const MOST_CELLS: u64 = (1 << 27) / 24;
 
-/// Cells for a scene: more for more detail, fewer where each is lit by many samples, so that lighting them stays within
-/// about 2²⁶ shadow lookups, and what holds them within 2²⁷ bytes, as long as that leaves each triangle one.
-fn cells(scene: &Scene, settings: &Settings) -> u32 {
+/// Cells for a scene: more for more detail, fewer where there are many light samples, so that lighting them stays within
+/// about 2²⁶ pairs of the two, and what holds them within 2²⁷ bytes, as long as that leaves each triangle one.
+fn cells(scene: &Scene, camera: &Camera, settings: &Settings) -> CellBudget {
+    let eye = eye(scene, camera);
+    if let Some(count) = settings.surface_cells {
+        return CellBudget { count, eye };
+    }
     let emissive = |part: &&Part| scene.materials[part.material as usize].emission != Vec3::ZERO;
     let faces: u32 = scene.parts.iter().filter(emissive).map(|part| part.triangle_count).sum();
-    let is_sampled = faces > 0 || !scene.background.is_black();
-    let area_samples = if is_sampled { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
-    let samples = scene.lights.len() as u64 + u64::from(area_samples);
+    let area = if faces > 0 { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
+    let sky = if scene.background.is_black() { 0 } else { settings.lights.sky_samples };
+    let samples = scene.lights.len() as u64 + u64::from(area + sky);
     let affordable = (1_u64 << 26) / samples.max(1);
-    let mut cells = (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32;
-    while cells > 1 && cell_count(scene, cells) > MOST_CELLS {
-        cells /= 2;
+    let mut budget = CellBudget { count: 0, eye };
+    budget.count = (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32;
+    while budget.count > 1 && cell_count(scene, &budget) > MOST_CELLS {
+        budget.count /= 2;
     }
-    cells
+    budget
 }
 
 struct Facts {

@@ -1,5 +1,6 @@
 //! What a frame is made with, and its checks.
 
+use super::camera::eye;
 use crate::math::capture::Projection;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
@@ -7,7 +8,7 @@ use crate::methods::light_samples::LightSettings;
 use crate::passes::integrate::{Gradients, Radius};
 use crate::passes::resolve::Plane;
 use crate::passes::splat::Weight;
-use crate::scene::Scene;
+use crate::scene::{Camera, Scene, SideLimit};
 use crate::vk::Device;
 
 /// Longest side for hemispheres, whose projection bends sides. In the Cornell box half of it costs three times as much for
@@ -86,9 +87,17 @@ pub struct SettingsError {
 }
 
 impl Settings {
-    /// Longest side of a triangle of `scene` as a share of its diagonal, where triangles are to be cut. Without a device,
-    /// captures are taken to be render passes.
-    pub fn longest_side(&self, scene: &Scene, device: Option<&Device>) -> Option<f32> {
+    /// How long sides of triangles of `scene` may be: as captures and settings allow, and where surface cells are lit as long
+    /// as they are far from the eye, for a triangle's cells are all of one size. Without a device, captures are taken to be
+    /// render passes.
+    pub fn side_limit(&self, scene: &Scene, camera: &Camera, device: Option<&Device>) -> SideLimit {
+        let (low, high) = scene.bounds();
+        let longest = self.longest_side(scene, device).map_or(f32::INFINITY, |share| (high - low).length() * share);
+        SideLimit { longest, eye: if self.bounces > 0 { eye(scene, camera) } else { None } }
+    }
+
+    /// As a share of the scene's diagonal, where triangles are to be cut for captures or as settings say.
+    fn longest_side(&self, scene: &Scene, device: Option<&Device>) -> Option<f32> {
         let CacheSettings { capture, capture_size, .. } = self.cache;
         let by_passes = || device.is_none_or(|device| capture.against_compute(device, scene, capture_size).is_some());
         let is_curved = capture.projection() == Projection::Hemisphere && by_passes();

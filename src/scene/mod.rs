@@ -22,6 +22,7 @@ pub use cornell::cornell;
 pub use error::SceneError;
 pub use load::{Limits, Resolver, load, load_from_slice};
 pub use sample::{Emitter, Encoding, SurfacePoint};
+pub use tessellate::SideLimit;
 
 use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};
 

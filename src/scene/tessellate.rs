@@ -1,25 +1,67 @@
-//! Cutting triangles smaller, for projections that bend their sides.
+//! Cutting triangles smaller: for projections that bend their sides, and for cells that are finer near the eye.
 
 use super::{Part, Scene};
+use crate::math::density::Eye;
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 
+/// How long a side of a triangle may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideLimit {
+    /// Anywhere.
+    pub longest: f32,
+    /// As long as its middle is far from here; or everywhere.
+    pub eye: Option<Eye>,
+}
+
+impl SideLimit {
+    /// The same everywhere.
+    pub fn even(longest: f32) -> Self {
+        Self { longest, eye: None }
+    }
+
+    /// Whether any side of a triangle that may be cut is longer.
+    pub fn cuts(&self, scene: &Scene) -> bool {
+        let whole = |part: &&Part| scene.materials[part.material as usize].emission == Vec3::ZERO;
+        let range = |part: &Part| part.first_triangle as usize..(part.first_triangle + part.triangle_count) as usize;
+        let mut cut = scene.parts.iter().filter(whole).flat_map(|part| &scene.triangles[range(part)]);
+        cut.any(|t| self.worst_side(&scene.positions, *t).1 > 1.0)
+    }
+
+    /// The corner that the side which is longest beside its limit starts from, and its length in parts of that. What side
+    /// is cut depends on nothing else, so that neighbours agree.
+    fn worst_side(&self, positions: &[Vec3], triangle: [u32; 3]) -> (usize, f32) {
+        let share = |i: usize| {
+            let [a, b] = [triangle[i % 3], triangle[(i + 1) % 3]].map(|v| positions[v as usize]);
+            let middle = (a + b) * 0.5;
+            let by_eye = self.eye.map_or(f32::INFINITY, |eye| middle.distance(eye.position).max(eye.nearest));
+            a.distance(b) / self.longest.min(by_eye)
+        };
+        let shares = [0, 1, 2].map(share);
+        let later = if shares[1] >= shares[2] { 1 } else { 2 };
+        let first = if shares[0] >= shares[later] { 0 } else { later };
+        (first, shares[first])
+    }
+}
+
 impl Scene {
-    /// The same surfaces with no side longer than `longest`. Triangles of emissive materials stay whole, so that lights are
+    /// The same surfaces with no side longer than `limit`. Triangles of emissive materials stay whole, so that lights are
     /// sampled as before.
     ///
     /// Every side is halved until it is short enough, whatever triangle it belongs to: neighbours that share a side share
     /// what it is cut into, and no gaps open between them.
-    pub fn tessellated(&self, longest: f32) -> Self {
+    pub fn tessellated(&self, limit: &SideLimit) -> Self {
         let mut cut = Self { triangles: Vec::new(), parts: Vec::new(), ..self.clone() };
         let mut middles = HashMap::new();
         for part in &self.parts {
             let first = part.first_triangle as usize;
             let is_light = self.materials[part.material as usize].emission != Vec3::ZERO;
-            let limit = if is_light { f32::INFINITY } else { longest };
+            let whole = &self.triangles[first..first + part.triangle_count as usize];
             let first_triangle = cut.triangles.len() as u32;
-            for triangle in &self.triangles[first..first + part.triangle_count as usize] {
-                cut.add_pieces(*triangle, limit, &mut middles);
+            if is_light {
+                cut.triangles.extend(whole);
+            } else {
+                whole.iter().for_each(|triangle| cut.add_pieces(*triangle, limit, &mut middles));
             }
             cut.parts.push(Part {
                 first_triangle,
@@ -30,16 +72,16 @@ impl Scene {
         cut
     }
 
-    fn add_pieces(&mut self, whole: [u32; 3], longest: f32, middles: &mut HashMap<(u32, u32), u32>) {
+    fn add_pieces(&mut self, whole: [u32; 3], limit: &SideLimit, middles: &mut HashMap<(u32, u32), u32>) {
         let mut open = vec![whole];
         while let Some(triangle) = open.pop() {
-            let (first, length) = longest_side(&self.positions, triangle);
+            let (first, share) = limit.worst_side(&self.positions, triangle);
             let [a, b, c] = [0, 1, 2].map(|i| triangle[(first + i) % 3]);
-            if length <= longest {
-                self.triangles.push(triangle);
-            } else {
+            if share > 1.0 {
                 let middle = *middles.entry((a.min(b), a.max(b))).or_insert_with(|| self.add_middle(a, b));
                 open.extend([[middle, b, c], [a, middle, c]]);
+            } else {
+                self.triangles.push(triangle);
             }
         }
     }
@@ -66,15 +108,6 @@ impl Scene {
     }
 }
 
-/// The corner that the longest side starts from, and its length.
-fn longest_side(positions: &[Vec3], triangle: [u32; 3]) -> (usize, f32) {
-    let at = |i: usize| positions[triangle[i % 3] as usize];
-    let lengths = [0, 1, 2].map(|i| at(i).distance(at(i + 1)));
-    let later = if lengths[1] >= lengths[2] { 1 } else { 2 };
-    let first = if lengths[0] >= lengths[later] { 0 } else { later };
-    (first, lengths[first])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,14 +125,14 @@ mod tests {
     #[test]
     fn pieces_are_small_and_cover_the_same_surface() {
         let scene = cornell();
-        let cut = scene.tessellated(0.1);
+        let cut = scene.tessellated(&SideLimit::even(0.1));
         assert!((area(&cut) / area(&scene) - 1.0).abs() < 1e-6);
         assert_eq!(cut.parts.last().map(|p| p.first_triangle + p.triangle_count), Some(cut.triangles.len() as u32));
         for part in &cut.parts {
             let is_light = scene.materials[part.material as usize].emission != Vec3::ZERO;
             let range = part.first_triangle as usize..(part.first_triangle + part.triangle_count) as usize;
             for triangle in &cut.triangles[range] {
-                assert!(is_light || longest_side(&cut.positions, *triangle).1 <= 0.1);
+                assert!(is_light || SideLimit::even(0.1).worst_side(&cut.positions, *triangle).1 <= 1.0);
                 let [a, b, c] = triangle.map(|v| cut.positions[v as usize]);
                 assert!((b - a).cross(c - a).dot(cut.normals[triangle[0] as usize]) > 0.0, "the front stays in front");
             }
@@ -127,7 +160,14 @@ mod tests {
             };
             sides.iter().filter(|(_, n)| **n == 1).map(|(side, _)| length(side)).sum::<f32>()
         };
-        let (before, after) = (open_sides(&scene), open_sides(&scene.tessellated(0.07)));
-        assert!((after - before).abs() < 1e-4 * before, "{before} {after}");
+        let before = open_sides(&scene);
+        let eye = Some(Eye::new(Vec3::new(0.1, 0.05, 0.1), 0.5));
+        for limit in [SideLimit::even(0.07), SideLimit { longest: f32::INFINITY, eye }] {
+            assert!(limit.cuts(&scene));
+            let cut = scene.tessellated(&limit);
+            assert!(!limit.cuts(&cut));
+            let after = open_sides(&cut);
+            assert!((after - before).abs() < 1e-4 * before, "{before} {after}");
+        }
     }
 }

@@ -60,12 +60,6 @@ impl Piece {
     }
 }
 
-/// Sides of a triangle are cut into so many, for cells of about the given area.
-pub fn resolution([a, b, c]: &[Vec3; 3], cell_area: f64) -> u32 {
-    let area = f64::from((*b - *a).cross(*c - *a).length()) * 0.5;
-    (area / cell_area).sqrt().round().clamp(1.0, 1024.0) as u32
-}
-
 /// For each cell of `coarse` the cell of `fine` that it shows.
 ///
 /// What faces the same way goes before what does not, and what is within `error` before the rest.

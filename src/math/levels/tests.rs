@@ -24,7 +24,9 @@ impl Sheet {
     fn levels(&self) -> Levels {
         let Self { positions, triangles, first_cell } = self;
         let count = triangles.len() as u32;
-        let surface = Surface { positions, triangles, first_cell, cell_area: 0.5 / f64::from(count / 2) };
+        let corners = triangles.iter().map(|t| t.map(|v| positions[v as usize]));
+        let density = Density::new(corners, count, None);
+        let surface = Surface { positions, triangles, first_cell, density: &density };
         Levels::new(&surface, First { triangle: count, cell: count })
     }
 

@@ -1,7 +1,7 @@
 //! What a scene's geometry will take of the device's memory, told before any of it is allocated.
 
 use super::super::cluster_tree::Detail;
-use super::{TRIANGLES_IN_ROW, cells};
+use super::{CellBudget, TRIANGLES_IN_ROW, cells};
 use crate::scene::Scene;
 use crate::vk::Device;
 
@@ -18,9 +18,9 @@ pub struct Need {
     pub allowed: u64,
 }
 
-/// What [`super::Geometry::new`] will allocate for `scene` that grows with it, its surface cut into about `cells` cells; and the
+/// What [`super::Geometry::new`] will allocate for `scene` that grows with it, its surface cut into `cells`; and the
 /// triangles that shadows read, if `lit`. What levels of detail add is told by what they usually come to.
-pub fn needs(device: &Device, scene: &Scene, cells: u32, detail: Option<Detail>, lit: bool) -> Vec<Need> {
+pub fn needs(device: &Device, scene: &Scene, cells: &CellBudget, detail: Option<Detail>, lit: bool) -> Vec<Need> {
     let limits = &device.capabilities.limits;
     let storage = u64::from(limits.max_storage_buffer_range);
     let texels = u64::from(limits.max_texel_buffer_elements) * 16;

@@ -21,7 +21,7 @@ use crate::methods::captures::{CaptureMode, PLANE_APERTURE};
 use crate::methods::light_samples::LightSettings;
 use crate::methods::probes::{Place, Probe, ProbeError, ProbeSettings, Probes, SurfaceCell};
 use crate::passes::integrate::Gradients;
-use crate::scene::Scene;
+use crate::scene::{Scene, SideLimit};
 use crate::vk::Device;
 use crate::vk::pass::Recorder;
 use std::f32::consts::TAU;
@@ -58,7 +58,7 @@ impl Bench {
         let by_passes = self.capture.against_compute(&self.device, scene, size).is_some();
         let scene = if self.capture.projection() == Projection::Hemisphere && by_passes {
             let (low, high) = scene.bounds();
-            cut = scene.tessellated(LONGEST_SIDE * (high - low).length());
+            cut = scene.tessellated(&SideLimit::even(LONGEST_SIDE * (high - low).length()));
             &cut
         } else {
             scene
