@@ -85,10 +85,14 @@ bvec4 clearly_before(ShadowPlace s, vec4 stored, vec4 plane) {
     return greaterThan(stored, clamp(plane, vec4(s.here), vec4(s.furthest)) + s.slack);
 }
 
-uint shadow_at(uint tile, vec3 p, vec3 n) {
+// `has_own`: `is_lit` will be told the point's own triangle. Then what the map cannot tell from the tangent plane, beside what
+// lies behind that, may be another surface that ends just there, such as the ceiling over a wall.
+uint shadow_at(uint tile, vec3 p, vec3 n, bool has_own) {
     ShadowPlace s = shadow_place(tile, p, n);
     vec4 stored = shadow_depths(s.corner), plane = plane_depths(s);
+    bvec4 behind = lessThan(stored, plane - s.grain);
     bool lit = s.outside || all(lessThanEqual(stored, plane + s.grain));
+    if (has_own && any(behind) && !all(behind)) lit = s.outside;
     return lit ? LIT : all(clearly_before(s, stored, plane)) ? DARK : CLOSE;
 }
 
@@ -130,7 +134,7 @@ uint meet(uint triangle, uint from, vec3 p, vec3 toward, out uint next) {
 bool is_lit(uint tile, uint own, vec3 p, vec3 n) {
     ShadowPlace s = shadow_place(tile, p, n);
     vec4 stored = shadow_depths(s.corner), plane = plane_depths(s);
-    bvec4 before = greaterThan(stored, plane + s.grain), clear = clearly_before(s, stored, plane);
+    bvec4 before = greaterThan(stored, plane + (own == NO_TRIANGLE ? s.grain : -s.grain)), clear = clearly_before(s, stored, plane);
     uvec4 seen = uvec4(identity_at(s.corner + ivec3(-1, 0, 0)), identity_at(s.corner),
                        identity_at(s.corner + ivec3(0, -1, 0)), identity_at(s.corner + ivec3(-1, -1, 0)));
     // What an alpha mask lets through, and what is too far to walk to, only the map knows: its nearest texel.

@@ -56,7 +56,7 @@ vec3 samples_light(uint first, uint end, Receiver at, out float open) {
             Unshadowed light = sample_light(first + i, at);
             open += light.unit;
             if (light.irradiance == vec3(0.0)) continue;
-            uint shadow = shadow_at(first + i, lifted, at.geometric);
+            uint shadow = shadow_at(first + i, lifted, at.geometric, false);
             if (shadow == LIT) sum += light.irradiance;
             if (shadow == CLOSE) close |= 1u << i;
         }
