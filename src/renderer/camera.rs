@@ -1,6 +1,6 @@
 //! The camera as the passes need it.
 
-use crate::math::density::Eye;
+use crate::math::density::{Density, Eye};
 use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
 use crate::passes::place_records::Placement;
@@ -27,11 +27,15 @@ pub(super) struct View {
     size: [u32; 2],
 }
 
-/// Where surfaces are looked at from; a parallel projection looks from nowhere.
-pub(super) fn eye(scene: &Scene, camera: &Camera) -> Option<Eye> {
+/// Where surfaces are looked at from, if that is nearer to one of them than `cells` cells of one size are wide: those of a
+/// landscape then, but not of a room. A parallel projection looks from nowhere.
+pub(super) fn close_eye(scene: &Scene, camera: &Camera, cells: u32) -> Option<Eye> {
     let (low, high) = scene.bounds();
-    let at = || Eye::new(camera.camera_to_world.w_axis.truncate().as_vec3(), (high - low).length() * 0.5);
-    matches!(camera.lens, Lens::Perspective { .. }).then(at)
+    let eye = Eye::new(camera.camera_to_world.w_axis.truncate().as_vec3(), (high - low).length() * 0.5);
+    let triangles = || (0..scene.triangles.len() as u32).map(|t| scene.corners(t));
+    let width = Density::new(triangles(), cells, None).width();
+    let is_close = || triangles().any(|corners| f64::from(eye.least_distance(&corners)) < width);
+    (matches!(camera.lens, Lens::Perspective { .. }) && is_close()).then_some(eye)
 }
 
 impl View {

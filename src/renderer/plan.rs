@@ -1,7 +1,7 @@
 //! The plan: what a scene needs, and why the rest is left out.
 
 use super::Settings;
-use super::camera::eye;
+use super::camera::close_eye;
 use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
@@ -159,10 +159,10 @@ const MOST_CELLS: u64 = (1 << 27) / 24;
 
 /// Cells for a scene: more for more detail, fewer where there are many light samples, so that lighting them stays within
 /// about 2²⁶ pairs of the two, and what holds them within 2²⁷ bytes, as long as that leaves each triangle one.
-fn cells(scene: &Scene, camera: &Camera, settings: &Settings) -> CellBudget {
-    let eye = eye(scene, camera);
+pub(super) fn cells(scene: &Scene, camera: &Camera, settings: &Settings) -> CellBudget {
+    let close_to = |count: u32| CellBudget { count, eye: close_eye(scene, camera, count) };
     if let Some(count) = settings.surface_cells {
-        return CellBudget { count, eye };
+        return close_to(count);
     }
     let emissive = |part: &&Part| scene.materials[part.material as usize].emission != Vec3::ZERO;
     let faces: u32 = scene.parts.iter().filter(emissive).map(|part| part.triangle_count).sum();
@@ -170,8 +170,8 @@ fn cells(scene: &Scene, camera: &Camera, settings: &Settings) -> CellBudget {
     let sky = if scene.background.is_black() { 0 } else { settings.lights.sky_samples };
     let samples = scene.lights.len() as u64 + u64::from(area + sky);
     let affordable = (1_u64 << 26) / samples.max(1);
-    let mut budget = CellBudget { count: 0, eye };
-    budget.count = (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32;
+    let mut budget =
+        close_to((40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32);
     while budget.count > 1 && cell_count(scene, &budget) > MOST_CELLS {
         budget.count /= 2;
     }

@@ -1,6 +1,6 @@
 //! What a frame is made with, and its checks.
 
-use super::camera::eye;
+use super::plan::cells;
 use crate::math::capture::Projection;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
@@ -87,13 +87,13 @@ pub struct SettingsError {
 }
 
 impl Settings {
-    /// How long sides of triangles of `scene` may be: as captures and settings allow, and where surface cells are lit as long
-    /// as they are far from the eye, for a triangle's cells are all of one size. Without a device, captures are taken to be
+    /// How long sides of triangles of `scene` may be: as captures and settings allow, and where surface cells are finer near
+    /// the eye as long as they are far from it, for a triangle's cells are all of one size. Without a device, captures are taken to be
     /// render passes.
     pub fn side_limit(&self, scene: &Scene, camera: &Camera, device: Option<&Device>) -> SideLimit {
         let (low, high) = scene.bounds();
         let longest = self.longest_side(scene, device).map_or(f32::INFINITY, |share| (high - low).length() * share);
-        SideLimit { longest, eye: if self.bounces > 0 { eye(scene, camera) } else { None } }
+        SideLimit { longest, eye: if self.bounces > 0 { cells(scene, camera, self).eye } else { None } }
     }
 
     /// As a share of the scene's diagonal, where triangles are to be cut for captures or as settings say.
