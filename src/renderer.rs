@@ -95,14 +95,13 @@ fn render_as_set(
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
     let mut clock = Clock::new();
-    let limit = settings.side_limit(scene, camera, Some(device));
-    let cut = limit.cuts(scene).then(|| scene.tessellated(&limit));
+    let mut plan = Plan::of(scene, camera, settings, Some(device));
+    let cut = plan.cut.map(|limit| scene.tessellated(&limit));
     let scene = cut.as_ref().unwrap_or(scene);
     if cut.is_some() {
+        plan = Plan::of(scene, camera, settings, Some(device)).of_cut();
         clock.lap("tessellate");
     }
-    let plan = Plan::of(scene, camera, settings, Some(device));
-    let plan = if cut.is_some() { plan.of_cut() } else { plan };
     memory::check(device, scene, &plan, settings)?;
     let size = [settings.width, settings.height];
     let view = View::new(scene, camera, size);

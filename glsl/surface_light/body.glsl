@@ -103,10 +103,10 @@ uint present_try(uint index, Corners t, Material material, uint r, uint cell, ui
 // A point of a cell and what one light sample sends to it, before its shadow.
 struct Sample { uint light; vec2 uv; vec3 lifted; vec3 direction; vec3 irradiance; float side; };
 
-Sample sample_at(uint index, Corners t, vec2 uv) {
+Sample sample_at(uint index, Corners t, uint r, uint cell, uint first, uint n) {
     Sample s;
     s.light = index / push.points;
-    s.uv = uv;
+    s.uv = place_of(index, r, cell, first, n);
     vec3 p = t.p0 + s.uv.x * t.e1 + s.uv.y * t.e2;
     Arriving light = light_arriving(lights[s.light], p);
     s.side = dot(t.geometric, light.direction);
@@ -148,7 +148,7 @@ void main() {
                 }
                 tries |= (uvec3(n, n >> 1, n >> 2) & 1) << i;
             }
-            Sample s = sample_at(start + i * push.stride, corners, place_of(start + i * push.stride, r, cell, first, try_of(tries, i)));
+            Sample s = sample_at(start + i * push.stride, corners, r, cell, first, try_of(tries, i));
             if (!any(greaterThan(s.irradiance, vec3(0.0)))) continue;
             uint shadow = shadow_at(s.light, s.lifted, corners.geometric, true);
             if (shadow == LIT) lit |= 1u << i;
@@ -156,12 +156,12 @@ void main() {
         }
         for (; close != 0; close &= close - 1) {
             uint i = findLSB(close);
-            Sample s = sample_at(start + i * push.stride, corners, place_of(start + i * push.stride, r, cell, first, try_of(tries, i)));
+            Sample s = sample_at(start + i * push.stride, corners, r, cell, first, try_of(tries, i));
             if (is_lit(s.light, triangle, s.lifted, corners.geometric)) lit |= 1u << i;
         }
         for (; lit != 0; lit &= lit - 1) {
             uint i = findLSB(lit);
-            Sample s = sample_at(start + i * push.stride, corners, place_of(start + i * push.stride, r, cell, first, try_of(tries, i)));
+            Sample s = sample_at(start + i * push.stride, corners, r, cell, first, try_of(tries, i));
             Surface surface = surface_of(corners, material, s.uv);
             vec3 leaving = surface.albedo.rgb * s.irradiance / (PI * float(push.points));
             float cosine = dot(surface.normal, s.direction);

@@ -30,12 +30,14 @@ pub(super) struct View {
 /// Where surfaces are looked at from, if that is nearer to one of them than `cells` cells of one size are wide: those of a
 /// landscape then, but not of a room. A parallel projection looks from nowhere.
 pub(super) fn close_eye(scene: &Scene, camera: &Camera, cells: u32) -> Option<Eye> {
+    if !matches!(camera.lens, Lens::Perspective { .. }) {
+        return None;
+    }
     let (low, high) = scene.bounds();
     let eye = Eye::new(camera.camera_to_world.w_axis.truncate().as_vec3(), (high - low).length() * 0.5);
     let triangles = || (0..scene.triangles.len() as u32).map(|t| scene.corners(t));
     let width = Density::new(triangles(), cells, None).width();
-    let is_close = || triangles().any(|corners| f64::from(eye.least_distance(&corners)) < width);
-    (matches!(camera.lens, Lens::Perspective { .. }) && is_close()).then_some(eye)
+    triangles().any(|corners| f64::from(eye.least_distance(&corners)) < width).then_some(eye)
 }
 
 impl View {

@@ -7,7 +7,7 @@ use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
 use crate::passes::geometry::{CellBudget, cell_count};
 use crate::passes::resolve::Plane;
-use crate::scene::{Background, Camera, Light, Part, Scene};
+use crate::scene::{Background, Camera, Light, Scene, SideLimit};
 use crate::vk::Device;
 use glam::Vec3;
 
@@ -32,6 +32,8 @@ pub struct Plan {
     pub run: Vec<&'static str>,
     /// What is left out.
     pub left_out: Vec<LeftOut>,
+    /// How triangles are to be cut first.
+    pub cut: Option<SideLimit>,
     /// The G-buffer holds emission.
     pub emission: bool,
     /// Some light is sampled with shadows.
@@ -56,12 +58,12 @@ impl Plan {
         let facts = Facts::of(scene);
         let full = settings.full_plan;
         let mut plan = Self::default();
-        let cut = settings.side_limit(scene, camera, device).cuts(scene);
-        plan.part(
-            TESSELLATE,
-            cut,
-            "no side is longer than its distance from the eye, or than captures and settings allow",
-        );
+        let indirect = settings.bounces > 0 && (facts.is_lit() || facts.sky || full);
+        plan.surface_cells = if indirect { cells(scene, camera, settings) } else { CellBudget::even(1) };
+        let limit = settings.side_limit(scene, plan.surface_cells.eye, device);
+        plan.cut = limit.cuts(scene).then_some(limit);
+        let why = "no side is longer than its distance from the eye, or than captures and settings allow";
+        plan.part(TESSELLATE, plan.cut.is_some(), why);
         plan.run.push("gbuffer");
         plan.emission = plan.part("emission", facts.emits || full, "no material emits");
         plan.part("textures", facts.textured, "no material has a texture");
@@ -73,7 +75,6 @@ impl Plan {
         plan.part("shadow", plan.lights, "no lights");
         plan.part("pixel_light", plan.lights, "no lights");
         plan.sky = plan.part("sky", facts.sky || full, "the background is black");
-        let indirect = settings.bounces > 0 && (plan.lights || plan.sky);
         plan.captures = indirect || plan.sky;
         let why = if settings.bounces == 0 { "no bounces are asked for" } else { "nothing shines" };
         plan.part("surface_light", indirect, why);
@@ -105,7 +106,6 @@ impl Plan {
         let drawn = plan.lights || (plan.captures && !plan.compute);
         let whole = if drawn { format!("{triangles} triangles are drawn whole") } else { "nothing to cull for".into() };
         plan.part("cull", drawn && triangles > WHOLE_SCENE as usize, whole);
-        plan.surface_cells = if indirect { cells(scene, camera, settings) } else { CellBudget::even(1) };
         if plan.captures {
             let counted = settings.planes.contains(&Plane::Records);
             plan.part("record counts", counted, "the layer \"records\" is not asked for");
@@ -114,7 +114,7 @@ impl Plan {
         plan
     }
 
-    /// Notes that it is for a scene that was cut.
+    /// The plan for a scene that was cut, as one that says so.
     pub(super) fn of_cut(mut self) -> Self {
         self.left_out.retain(|left| left.pass != TESSELLATE);
         self.run.retain(|part| *part != TESSELLATE);
@@ -159,13 +159,12 @@ const MOST_CELLS: u64 = (1 << 27) / 24;
 
 /// Cells for a scene: more for more detail, fewer where there are many light samples, so that lighting them stays within
 /// about 2²⁶ pairs of the two, and what holds them within 2²⁷ bytes, as long as that leaves each triangle one.
-pub(super) fn cells(scene: &Scene, camera: &Camera, settings: &Settings) -> CellBudget {
+fn cells(scene: &Scene, camera: &Camera, settings: &Settings) -> CellBudget {
     let close_to = |count: u32| CellBudget { count, eye: close_eye(scene, camera, count) };
     if let Some(count) = settings.surface_cells {
         return close_to(count);
     }
-    let emissive = |part: &&Part| scene.materials[part.material as usize].emission != Vec3::ZERO;
-    let faces: u32 = scene.parts.iter().filter(emissive).map(|part| part.triangle_count).sum();
+    let faces: u32 = scene.parts.iter().filter(|part| scene.emits(part)).map(|part| part.triangle_count).sum();
     let area = if faces > 0 { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
     let sky = if scene.background.is_black() { 0 } else { settings.lights.sky_samples };
     let samples = scene.lights.len() as u64 + u64::from(area + sky);

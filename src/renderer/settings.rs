@@ -1,14 +1,14 @@
 //! What a frame is made with, and its checks.
 
-use super::plan::cells;
 use crate::math::capture::Projection;
+use crate::math::density::Eye;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
 use crate::methods::light_samples::LightSettings;
 use crate::passes::integrate::{Gradients, Radius};
 use crate::passes::resolve::Plane;
 use crate::passes::splat::Weight;
-use crate::scene::{Camera, Scene, SideLimit};
+use crate::scene::{Scene, SideLimit};
 use crate::vk::Device;
 
 /// Longest side for hemispheres, whose projection bends sides. In the Cornell box half of it costs three times as much for
@@ -87,13 +87,13 @@ pub struct SettingsError {
 }
 
 impl Settings {
-    /// How long sides of triangles of `scene` may be: as captures and settings allow, and where surface cells are finer near
-    /// the eye as long as they are far from it, for a triangle's cells are all of one size. Without a device, captures are taken to be
+    /// How long sides of triangles of `scene` may be: as captures and settings allow, and as long as they are far from the `eye`
+    /// that surface cells are finer near, for a triangle's cells are all of one size. Without a device, captures are taken to be
     /// render passes.
-    pub fn side_limit(&self, scene: &Scene, camera: &Camera, device: Option<&Device>) -> SideLimit {
+    pub(super) fn side_limit(&self, scene: &Scene, eye: Option<Eye>, device: Option<&Device>) -> SideLimit {
         let (low, high) = scene.bounds();
         let longest = self.longest_side(scene, device).map_or(f32::INFINITY, |share| (high - low).length() * share);
-        SideLimit { longest, eye: if self.bounces > 0 { cells(scene, camera, self).eye } else { None } }
+        SideLimit { longest, eye }
     }
 
     /// As a share of the scene's diagonal, where triangles are to be cut for captures or as settings say.

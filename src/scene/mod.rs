@@ -25,6 +25,7 @@ pub use sample::{Emitter, Encoding, SurfacePoint};
 pub use tessellate::SideLimit;
 
 use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};
+use std::ops::Range;
 
 /// A whole scene, in world space relative to [`Scene::origin`].
 ///
@@ -65,7 +66,25 @@ pub struct Scene {
     pub notes: Vec<String>,
 }
 
+impl Part {
+    /// Its triangles among [`Scene::triangles`].
+    pub fn triangles(&self) -> Range<u32> {
+        self.first_triangle..self.first_triangle + self.triangle_count
+    }
+}
+
 impl Scene {
+    /// Corners of the part's triangles.
+    pub fn triangles_of(&self, part: &Part) -> &[[u32; 3]] {
+        let Range { start, end } = part.triangles();
+        &self.triangles[start as usize..end as usize]
+    }
+
+    /// Whether the part's surface shines.
+    pub fn emits(&self, part: &Part) -> bool {
+        self.materials[part.material as usize].emission != Vec3::ZERO
+    }
+
     /// Whether the part's surface is absent in places.
     pub fn is_masked(&self, part: &Part) -> bool {
         self.materials[part.material as usize].alpha_cutoff.is_some()

@@ -93,7 +93,7 @@ impl Scene {
         let mut places = HashMap::new();
         for part in parts.iter().filter(|part| self.is_masked(part)) {
             let material = &self.materials[part.material as usize];
-            for triangle in part.first_triangle..part.first_triangle + part.triangle_count {
+            for triangle in part.triangles() {
                 let vertices = triangles[triangle as usize];
                 let place = *places.entry(self.key(part.material, vertices)).or_insert_with(|| {
                     masked.distinct.push(Distinct { material, vertices, detail: self.detail(material, vertices) });

@@ -168,8 +168,7 @@ impl Scene {
 
     /// All triangles that emit, in order.
     pub fn emitters(&self) -> Vec<Emitter> {
-        let emitting = self.parts.iter().filter(|p| self.materials[p.material as usize].emission != Vec3::ZERO);
-        let triangles = emitting.flat_map(|p| p.first_triangle..p.first_triangle + p.triangle_count);
+        let triangles = self.parts.iter().filter(|part| self.emits(part)).flat_map(|part| part.triangles());
         let emitter = |triangle| {
             let material = &self.materials[self.material_of(triangle) as usize];
             let (area, double_sided) = (self.area(triangle), material.double_sided);

@@ -22,10 +22,9 @@ impl SideLimit {
 
     /// Whether any side of a triangle that may be cut is longer.
     pub fn cuts(&self, scene: &Scene) -> bool {
-        let whole = |part: &&Part| scene.materials[part.material as usize].emission == Vec3::ZERO;
-        let range = |part: &Part| part.first_triangle as usize..(part.first_triangle + part.triangle_count) as usize;
-        let mut cut = scene.parts.iter().filter(whole).flat_map(|part| &scene.triangles[range(part)]);
-        cut.any(|t| self.worst_side(&scene.positions, *t).1 > 1.0)
+        let mut may_be_cut =
+            scene.parts.iter().filter(|part| !scene.emits(part)).flat_map(|part| scene.triangles_of(part));
+        may_be_cut.any(|t| self.worst_side(&scene.positions, *t).1 > 1.0)
     }
 
     /// The corner that the side which is longest beside its limit starts from, and its length in parts of that. What side
@@ -54,11 +53,9 @@ impl Scene {
         let mut cut = Self { triangles: Vec::new(), parts: Vec::new(), ..self.clone() };
         let mut middles = HashMap::new();
         for part in &self.parts {
-            let first = part.first_triangle as usize;
-            let is_light = self.materials[part.material as usize].emission != Vec3::ZERO;
-            let whole = &self.triangles[first..first + part.triangle_count as usize];
+            let whole = self.triangles_of(part);
             let first_triangle = cut.triangles.len() as u32;
-            if is_light {
+            if self.emits(part) {
                 cut.triangles.extend(whole);
             } else {
                 whole.iter().for_each(|triangle| cut.add_pieces(*triangle, limit, &mut middles));
@@ -129,10 +126,8 @@ mod tests {
         assert!((area(&cut) / area(&scene) - 1.0).abs() < 1e-6);
         assert_eq!(cut.parts.last().map(|p| p.first_triangle + p.triangle_count), Some(cut.triangles.len() as u32));
         for part in &cut.parts {
-            let is_light = scene.materials[part.material as usize].emission != Vec3::ZERO;
-            let range = part.first_triangle as usize..(part.first_triangle + part.triangle_count) as usize;
-            for triangle in &cut.triangles[range] {
-                assert!(is_light || SideLimit::even(0.1).worst_side(&cut.positions, *triangle).1 <= 1.0);
+            for triangle in cut.triangles_of(part) {
+                assert!(scene.emits(part) || SideLimit::even(0.1).worst_side(&cut.positions, *triangle).1 <= 1.0);
                 let [a, b, c] = triangle.map(|v| cut.positions[v as usize]);
                 assert!((b - a).cross(c - a).dot(cut.normals[triangle[0] as usize]) > 0.0, "the front stays in front");
             }

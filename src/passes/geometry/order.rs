@@ -23,8 +23,7 @@ impl Order {
         let bounds = bounds(&scene.positions);
         for part in sources {
             let first = order.triangles.len() as u32;
-            let range = part.first_triangle..part.first_triangle + part.triangle_count;
-            order.triangles.extend(along_morton_curve(scene, &scene.triangles[as_usize(&range)], bounds));
+            order.triangles.extend(along_morton_curve(scene, scene.triangles_of(part), bounds));
             order.parts.push(Part { first_triangle: first, ..*part });
             order.extend_ranges(scene.is_masked(part).then_some(part.material), first);
         }
