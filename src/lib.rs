@@ -39,6 +39,9 @@
 //!
 //! Units are glTF's, taken as radiometric RGB: radiance in W·sr⁻¹·m⁻², irradiance in W·m⁻², lengths in scene units.
 
+// What a library prints may go unread: what it has to say it returns.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod image;
 pub mod math;
 pub mod methods;

@@ -1,5 +1,8 @@
 //! The `hemicube` command: parse, run, exit code.
 
+// What is printed may go unread: `cli::say`.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod cli;
 
 use clap::Parser;
@@ -9,7 +12,7 @@ fn main() -> ExitCode {
     match cli::run(cli::Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            cli::say::remark!("error: {error:#}");
             cli::exit_code(&error)
         }
     }

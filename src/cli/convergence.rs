@@ -10,6 +10,7 @@ mod stability;
 mod task;
 mod truth;
 
+use super::say::remark;
 use anyhow::{Context, Result, ensure};
 pub use args::{CaptureArg, ConvergenceArgs, GradientsArg, MethodArg};
 use eta::Eta;
@@ -37,7 +38,7 @@ pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     if !args.quiet {
-        scene.notes.iter().chain(&note).for_each(|note| eprintln!("note: {note}"));
+        scene.notes.iter().chain(&note).for_each(|note| remark!("note: {note}"));
     }
     let given = args.reference.as_deref().map(|path| Ok::<_, anyhow::Error>((path, truth::read(path)?))).transpose()?;
     let size = size(args, &camera, given.as_ref().map(|(_, picture)| (picture.width, picture.height)))?;
@@ -66,7 +67,7 @@ pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
     let device = measure_all(&mut bench, &mut folder)?;
     if let Some(others) = others {
         folder.merge(others.points)?;
-        others.notes.iter().filter(|_| !args.quiet).for_each(|note| eprintln!("note: {note}"));
+        others.notes.iter().filter(|_| !args.quiet).for_each(|note| remark!("note: {note}"));
     }
     output::write(args, &folder, &truth, size, device.as_deref())?;
     Ok(ExitCode::SUCCESS)
@@ -103,7 +104,7 @@ fn measure_all(bench: &mut Bench, folder: &mut Folder) -> Result<Option<String>>
     let missing: Vec<Task> =
         tasks.into_iter().filter(|task| !folder.has(&bench.empty_point(task, name).key())).collect();
     if let Some(load) = Machine::load().filter(|load| *load > 0.5 && !missing.is_empty() && !args.quiet) {
-        eprintln!("note: this machine is busy with something else (load {load:.1}): clock times will be too long");
+        remark!("note: this machine is busy with something else (load {load:.1}): clock times will be too long");
     }
     let mut eta = Eta::new(&missing);
     let stage = Progress::new(args.quiet).stage("points", missing.len() as u64);
@@ -117,12 +118,12 @@ fn measure_all(bench: &mut Bench, folder: &mut Folder) -> Result<Option<String>>
                 folder.add(point, &picture)?;
                 eta.done(index, begun.elapsed());
                 if !args.quiet {
-                    eprintln!("{label}: {shown}{}", eta.words());
+                    remark!("{label}: {shown}{}", eta.words());
                 }
             }
             Err(error) if error.downcast_ref::<measure::DoesNotFit>().is_some() => {
                 eta.done(index, begun.elapsed());
-                eprintln!("note: left out: {error:#}");
+                remark!("note: left out: {error:#}");
             }
             Err(error) => return Err(error),
         }

@@ -3,6 +3,7 @@
 mod describe;
 
 use super::common::{ImageArgs, SceneArgs};
+use super::say::{remark, say};
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use hemicube::image::write::write_atomic;
@@ -56,7 +57,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     if !args.quiet {
-        scene.notes.iter().chain(&note).for_each(|note| eprintln!("note: {note}"));
+        scene.notes.iter().chain(&note).for_each(|note| remark!("note: {note}"));
     }
     let (width, height) = match (args.image.width, args.image.height) {
         (None, None) => scene::image_size(&camera, None, Some(HEIGHT)),
@@ -72,7 +73,7 @@ pub fn run(args: &ExportArgs) -> Result<ExitCode> {
     description["files"] = folder.files;
     write_atomic(&args.output.join("scene.json"), |sink| writeln!(sink, "{description:#}"))?;
     if !args.quiet {
-        println!("{}: {} triangles; wrote {}", scene.name, scene.triangles.len(), args.output.display());
+        say!("{}: {} triangles; wrote {}", scene.name, scene.triangles.len(), args.output.display());
     }
     Ok(ExitCode::SUCCESS)
 }

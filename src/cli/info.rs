@@ -1,6 +1,7 @@
 //! `hemicube info`: the devices of this machine, or what a scene needs.
 
 use super::common::SceneArgs;
+use super::say::say;
 use anyhow::Result;
 use clap::Args;
 use hemicube::methods::rates::Rates;
@@ -37,16 +38,16 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
 
 fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
     let (low, high) = scene.bounds();
-    println!("scene      {}", scene.name);
-    println!("triangles  {}", scene.triangles.len());
-    println!("vertices   {}", scene.positions.len());
-    println!("materials  {} in use, {} textures", scene.parts.len(), scene.textures.len());
-    println!("lights     {} punctual, {} emissive triangles", scene.lights.len(), scene.emitters().len());
+    say!("scene      {}", scene.name);
+    say!("triangles  {}", scene.triangles.len());
+    say!("vertices   {}", scene.positions.len());
+    say!("materials  {} in use, {} textures", scene.parts.len(), scene.textures.len());
+    say!("lights     {} punctual, {} emissive triangles", scene.lights.len(), scene.emitters().len());
     let cameras: Vec<_> = scene.cameras.iter().map(|c| format!("\"{}\"", c.name)).collect();
-    println!("cameras    {}", if cameras.is_empty() { "none".into() } else { cameras.join(", ") });
-    println!("bounds     {low} to {high}, origin {}", scene.origin);
-    note.into_iter().for_each(|note| println!("note       {note}"));
-    scene.notes.iter().for_each(|note| println!("note       {note}"));
+    say!("cameras    {}", if cameras.is_empty() { "none".into() } else { cameras.join(", ") });
+    say!("bounds     {low} to {high}, origin {}", scene.origin);
+    note.into_iter().for_each(|note| say!("note       {note}"));
+    scene.notes.iter().for_each(|note| say!("note       {note}"));
     let settings = Settings::default();
     // Without a device there is still much to say.
     let device = Instance::new(false).and_then(|instance| Device::new(instance, &DeviceChoice::Best)).ok();
@@ -54,12 +55,12 @@ fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
     if let Some(device) = &device {
         let needs = memory_needs(device, scene, &plan, &settings);
         let bytes: u64 = needs.iter().map(|need| need.bytes).sum();
-        println!("memory     about {} MB of {}: {}, …", bytes / 1_000_000, device.physical.name, largest_of(&needs));
-        check_memory(device, scene, &plan, &settings).err().into_iter().for_each(|e| println!("note       {e}"));
+        say!("memory     about {} MB of {}: {}, …", bytes / 1_000_000, device.physical.name, largest_of(&needs));
+        check_memory(device, scene, &plan, &settings).err().into_iter().for_each(|e| say!("note       {e}"));
     }
-    println!("\nruns       {}", plan.run.join(", "));
+    say!("\nruns       {}", plan.run.join(", "));
     for left in &plan.left_out {
-        println!("left out   {} ({})", left.pass, left.why);
+        say!("left out   {} ({})", left.pass, left.why);
     }
 }
 
@@ -68,14 +69,9 @@ fn devices(measure: bool) -> Result<()> {
     for (index, physical) in instance.physical_devices()?.into_iter().enumerate() {
         let version = physical.api_version;
         let (major, minor) = (ash::vk::api_version_major(version), ash::vk::api_version_minor(version));
-        println!(
-            "{index}  {} ({:?}, Vulkan {major}.{minor}, {})",
-            physical.name,
-            physical.kind,
-            physical.driver.trim()
-        );
+        say!("{index}  {} ({:?}, Vulkan {major}.{minor}, {})", physical.name, physical.kind, physical.driver.trim());
         match Device::new(instance.clone(), &DeviceChoice::Named(index.to_string())) {
-            Err(error) => println!("   cannot be used: {error}"),
+            Err(error) => say!("   cannot be used: {error}"),
             Ok(device) => {
                 describe_device(&device);
                 if measure {
@@ -89,29 +85,29 @@ fn devices(measure: bool) -> Result<()> {
 
 fn describe_device(device: &Device) {
     let has = &device.capabilities;
-    println!("   device memory {} MB, largest allocation {} MB", has.device_memory >> 20, has.max_allocation >> 20);
-    println!(
+    say!("   device memory {} MB, largest allocation {} MB", has.device_memory >> 20, has.max_allocation >> 20);
+    say!(
         "   largest image {0} × {0}, largest storage buffer {1} MB, {2} views a pass",
         has.limits.max_image_dimension2_d,
         has.limits.max_storage_buffer_range >> 20,
         has.max_views
     );
-    println!("   timestamps {} bits, {} ns a tick", has.timestamp_bits, has.timestamp_period);
+    say!("   timestamps {} bits, {} ns a tick", has.timestamp_bits, has.timestamp_period);
     for requirement in REQUIREMENTS {
         let verdict = if (requirement.has)(has) { "yes" } else { "no " };
-        println!("   {verdict}  {}: {}", requirement.name, requirement.cost);
+        say!("   {verdict}  {}: {}", requirement.name, requirement.cost);
     }
 }
 
 fn describe_rates(rates: &Rates) {
     let millions = |rate: f64| if rate > 0.0 { format!("{:.4} M/s", rate * 1e-6) } else { "not timed".into() };
-    println!("   measured  {} triangles × views captured", millions(rates.triangle_views));
-    println!("   measured  {} fragments splatted", millions(rates.blended_fragments));
-    println!("   measured  {} texels integrated", millions(rates.integrated_texels));
+    say!("   measured  {} triangles × views captured", millions(rates.triangle_views));
+    say!("   measured  {} fragments splatted", millions(rates.blended_fragments));
+    say!("   measured  {} texels integrated", millions(rates.integrated_texels));
     if let Some(compute) = rates.compute {
-        println!("   measured  {} triangles × views captured in compute", millions(compute.triangle_views));
-        println!("   measured  {} texels captured in compute", millions(compute.texels));
-        println!("   measured  {} texels integrated after that", millions(compute.integrated_texels));
+        say!("   measured  {} triangles × views captured in compute", millions(compute.triangle_views));
+        say!("   measured  {} texels captured in compute", millions(compute.texels));
+        say!("   measured  {} texels integrated after that", millions(compute.integrated_texels));
     }
-    println!("   measured  {:.4} ms for the timestamps and barriers about a pass", rates.timestamp_ms);
+    say!("   measured  {:.4} ms for the timestamps and barriers about a pass", rates.timestamp_ms);
 }

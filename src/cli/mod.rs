@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand, the flags they share in [`common`].
+//! The command line: one file a subcommand, the flags they share in [`common`], what they print by [`say`].
 //!
 //! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost.
 
@@ -9,6 +9,7 @@ mod export;
 mod info;
 mod reference;
 mod render;
+pub mod say;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -34,14 +35,16 @@ enum Command {
 
 /// Runs the chosen subcommand.
 pub fn run(cli: Cli) -> Result<ExitCode> {
-    match cli.command {
+    let code = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Convergence(args) => convergence::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Reference(args) => reference::run(&args),
-    }
+    }?;
+    say::finish()?;
+    Ok(code)
 }
 
 /// Exit code of a failed run: 3 where the device is at fault, 2 where the input is.

@@ -2,6 +2,7 @@
 
 use assert_cmd::Command;
 use std::path::Path;
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 /// How a run ended.
@@ -34,4 +35,19 @@ pub fn run(folder: &Path, arguments: &[&str], variables: &[(&str, &str)]) -> Run
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     let code = output.status.code().unwrap_or(-1);
     Run { code, out: text(output.stdout), err: text(output.stderr), time: start.elapsed() }
+}
+
+/// Exit code, and what is said on the standard error output, where nobody reads the standard output; nor that other one, if
+/// `neither`.
+pub fn unread(folder: &Path, arguments: &str, neither: bool) -> (Option<i32>, String) {
+    let closed = || {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        Stdio::from(writer)
+    };
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_hemicube"));
+    command.current_dir(folder).args(arguments.split_whitespace());
+    command.stdout(closed()).stderr(if neither { closed() } else { Stdio::piped() });
+    let output = command.output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }

@@ -1,12 +1,12 @@
 //! The table, the JSON file and the difference picture.
 
 use super::{CompareArgs, Compared};
+use crate::cli::say::say;
 use anyhow::Result;
 use hemicube::image::metrics::{Metrics, difference_map};
 use hemicube::image::{png, write::write_atomic};
 use hemicube::report::table::{Table, percent};
 use serde_json::{Value, json};
-use std::io::Write;
 use std::path::Path;
 
 /// Writes whatever the arguments ask for.
@@ -18,22 +18,14 @@ pub fn write(args: &CompareArgs, compared: &[Compared], size: (u32, u32), mask: 
     }
     let to_stdout = args.json.as_deref() == Some(Path::new("-"));
     match &args.json {
-        Some(_) if to_stdout => print(&format!("{:#}\n", json(args, compared, size)))?,
+        Some(_) if to_stdout => say!("{:#}", json(args, compared, size)),
         Some(path) => write_atomic(path, |sink| writeln!(sink, "{:#}", json(args, compared, size)))?,
         None => (),
     }
     if !to_stdout {
-        print(&text(args, compared, size, mask))?;
+        say!("{}", text(args, compared, size, mask));
     }
     Ok(())
-}
-
-/// Prints, and takes a reader that has gone away (`| head`) for one that has read enough.
-fn print(text: &str) -> Result<()> {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
 }
 
 fn text(args: &CompareArgs, compared: &[Compared], (width, height): (u32, u32), mask: Option<&[bool]>) -> String {
@@ -53,7 +45,7 @@ fn text(args: &CompareArgs, compared: &[Compared], (width, height): (u32, u32), 
             out += &format!("\n{line}");
         }
     }
-    format!("{}\n", out.trim_end())
+    out.trim_end().to_owned()
 }
 
 fn table(compared: &[Compared]) -> Table {

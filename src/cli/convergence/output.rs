@@ -3,6 +3,7 @@
 use super::ConvergenceArgs;
 use super::folder::Folder;
 use super::truth::Truth;
+use crate::cli::say::say;
 use anyhow::Result;
 use hemicube::image::metrics::difference_map;
 use hemicube::image::tone::{Look, luminance, turbo};
@@ -65,7 +66,7 @@ pub fn write(
     let file = folder.path.join("index.html");
     write_atomic(&file, |sink| sink.write_all(page.html().as_bytes()))?;
     if !args.quiet {
-        println!("{} points; wrote {} with its table and charts beside it", points.len(), file.display());
+        say!("{} points; wrote {} with its table and charts beside it", points.len(), file.display());
     }
     Ok(())
 }

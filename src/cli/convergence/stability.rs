@@ -1,7 +1,9 @@
 //! `hemicube convergence --stability`: the suite's rows as a table.
 
 use super::ConvergenceArgs;
+use crate::cli::say::remark;
 use anyhow::{Context, Result};
+use hemicube::image::write::write_atomic;
 use hemicube::report::progress::Progress;
 use hemicube::report::stability::{csv, markdown, run as run_suite};
 use std::fs;
@@ -18,20 +20,21 @@ pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
         for row in group.iter().filter(|row| !args.quiet || !row.holds()) {
             let mark = if row.holds() { "" } else { ", OUT OF BOUNDS" };
             let (error, tolerance) = (row.error(), row.tolerance());
-            eprintln!(
+            remark!(
                 "{}, {}: {}: error {error:.1e} of at most {tolerance:.1e}{mark}",
-                row.capture, row.case, row.quantity
+                row.capture,
+                row.case,
+                row.quantity
             );
         }
         stage.advance(1);
     })?;
     for (file, text) in [("stability.csv", csv(&rows, &name)), ("stability.md", markdown(&rows, &name))] {
-        let path = folder.join(file);
-        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        write_atomic(&folder.join(file), |sink| sink.write_all(text.as_bytes()))?;
     }
     let failed = rows.iter().filter(|row| !row.holds()).count();
     if !args.quiet {
-        eprintln!("{}: {} rows, {failed} out of bounds", folder.display(), rows.len());
+        remark!("{}: {} rows, {failed} out of bounds", folder.display(), rows.len());
     }
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }

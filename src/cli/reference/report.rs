@@ -2,6 +2,7 @@
 
 use super::ReferenceArgs;
 use super::setup::{Job, Output, bounces_name};
+use crate::cli::say::say;
 use anyhow::Result;
 use hemicube::reference::Cost;
 use hemicube::report::stats::{SceneStats, StageStats, Stats};
@@ -11,8 +12,8 @@ use std::time::Duration;
 /// Prints the summary and writes `--stats`.
 pub fn tell(args: &ReferenceArgs, job: &Job, output: &Output, wall: Duration) -> Result<()> {
     if !args.quiet {
-        println!("{}", headline(args, job, output));
-        output.stages.iter().for_each(|(name, cost)| println!("  {}", line(name, cost)));
+        say!("{}", headline(args, job, output));
+        output.stages.iter().for_each(|(name, cost)| say!("  {}", line(name, cost)));
     }
     if let Some(path) = &args.stats {
         stats(args, job, output, wall).write(path)?;

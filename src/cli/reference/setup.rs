@@ -1,6 +1,7 @@
 //! From arguments to a job, and from a result to files.
 
 use super::{Method, ReferenceArgs, Show, draw};
+use crate::cli::say::remark;
 use anyhow::{Context, Result, bail, ensure};
 use hemicube::image::tone::Look;
 use hemicube::image::{Picture, exr, png};
@@ -71,7 +72,7 @@ fn load(args: &ReferenceArgs) -> Result<Job> {
     }
     let (camera, note) = scene.camera(args.scene.camera.as_deref())?;
     if !args.quiet {
-        scene.notes.iter().chain(&note).for_each(|note| eprintln!("note: {note}"));
+        scene.notes.iter().chain(&note).for_each(|note| remark!("note: {note}"));
     }
     let size = scene::image_size(&camera, args.image.width, args.image.height);
     let largest = scene::LARGEST_SIDE;

@@ -1,6 +1,7 @@
 //! What a render says: the plan before it runs, the table after, and the files of `--stats` and `--trace`.
 
 use crate::cli::common::TalkArgs;
+use crate::cli::say::{remark, say};
 use anyhow::Result;
 use hemicube::image::Picture;
 use hemicube::methods::rates::Rates;
@@ -41,31 +42,31 @@ impl Report {
         if self.talk.quiet {
             return;
         }
-        println!("device: {} ({})", self.device.physical.name, self.device.physical.driver.trim());
-        println!(
+        say!("device: {} ({})", self.device.physical.name, self.device.physical.driver.trim());
+        say!(
             "scene: {}, {} triangles, {} × {} pixels",
             scene.name,
             scene.triangles.len(),
             settings.width,
             settings.height
         );
-        note.into_iter().for_each(|note| println!("note: {note}"));
+        note.into_iter().for_each(|note| say!("note: {note}"));
         if self.talk.verbose {
-            scene.notes.iter().for_each(|note| println!("note: {note}"));
+            scene.notes.iter().for_each(|note| say!("note: {note}"));
         } else if !scene.notes.is_empty() {
-            println!("note: {} remarks on the file; -v shows them", scene.notes.len());
+            say!("note: {} remarks on the file; -v shows them", scene.notes.len());
         }
         let plan = Plan::of(scene, camera, settings, Some(&self.device));
-        println!("plan: {}", plan.run.join(", "));
+        say!("plan: {}", plan.run.join(", "));
         for left in &plan.left_out {
-            println!("left out: {} ({})", left.pass, left.why);
+            say!("left out: {} ({})", left.pass, left.why);
         }
     }
 
     /// Warns of values that no picture should have.
     pub fn check(&self, picture: &Picture) {
         for (channel, count) in picture.non_finite() {
-            eprintln!("warning: {count} pixels of {channel} are NaN or infinite");
+            remark!("warning: {count} pixels of {channel} are NaN or infinite");
         }
     }
 
@@ -101,9 +102,8 @@ impl Report {
             self.trace(rendered).write(path)?;
         }
         if !self.talk.quiet {
-            println!();
-            print!("{profile}");
-            println!(
+            say!("\n{}", profile.to_string().trim_end());
+            say!(
                 "{} records in {} rounds, {} MB on the device, wrote {}",
                 rendered.cache.records,
                 rendered.cache.rounds,
@@ -112,7 +112,7 @@ impl Report {
             );
             if let Some(work) = rendered.cache.work {
                 let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
-                println!(
+                say!(
                     "{:.1} fragments of splats a pixel, {:.0} % of them without weight; {} triangles × views a record",
                     work.fragments as f64 / pixels,
                     100.0 * (1.0 - work.weighted_fragments as f64 / work.fragments.max(1) as f64),
@@ -120,7 +120,7 @@ impl Report {
                 );
             }
             if messages > 0 {
-                println!("{messages} validation messages");
+                say!("{messages} validation messages");
             }
         }
         Ok(())
