@@ -51,6 +51,8 @@ pub struct Rendered {
     pub picture: Picture,
     /// What ran and what did not.
     pub plan: Plan,
+    /// What went otherwise than planned, a line each, for the user.
+    pub warnings: Vec<String>,
     /// What the cache did.
     pub cache: CacheStats,
     /// Every pass that ran, in order.
@@ -68,7 +70,8 @@ pub type OnProgress<'a> = &'a mut dyn FnMut(&'static str, u64, u64);
 
 /// Renders `scene` from `camera`.
 ///
-/// Where the device ends the loops of captures in compute that nobody asked for, render passes capture.
+/// Where the device ends the loops of captures in compute that nobody asked for, render passes capture, and the plan and a
+/// warning say so.
 pub fn render(
     device: &Arc<Device>,
     scene: &Scene,
@@ -76,25 +79,33 @@ pub fn render(
     settings: &Settings,
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
-    match render_as_set(device, scene, camera, settings, on_progress) {
+    let mut clock = Clock::new();
+    match render_as_set(device, scene, camera, settings, &mut clock, on_progress) {
         Err(RenderError::Vulkan(VulkanError::LoopsEnded)) if settings.cache.capture == CaptureMode::Auto => {
+            clock.lap("captures in compute, given up");
             let mut settings = settings.clone();
             settings.cache.capture = CaptureMode::Hemicube;
-            render_as_set(device, scene, camera, &settings, on_progress)
+            let mut rendered = render_as_set(device, scene, camera, &settings, &mut clock, on_progress)?;
+            rendered.plan = rendered.plan.of_ended_loops();
+            rendered.warnings.push(LOOPS_ENDED.into());
+            Ok(rendered)
         }
         rendered => rendered,
     }
 }
+
+const LOOPS_ENDED: &str = "the device ended the loops of captures in compute before all was drawn, and render passes drew the \
+                           frame anew; --capture hemicube takes them at once";
 
 fn render_as_set(
     device: &Arc<Device>,
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
+    clock: &mut Clock,
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
-    let mut clock = Clock::new();
     let mut plan = Plan::of(scene, camera, settings, Some(device));
     let cut = plan.cut.map(|limit| scene.tessellated(&limit));
     let scene = cut.as_ref().unwrap_or(scene);
@@ -189,10 +200,11 @@ fn render_as_set(
     Ok(Rendered {
         picture,
         plan,
+        warnings: Vec::new(),
         cache: cache_stats,
         passes: recorder.passes,
         submissions: recorder.submissions,
-        stages: clock.stages,
+        stages: std::mem::take(&mut clock.stages),
         memory: device.memory(),
     })
 }

@@ -414,10 +414,20 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
         eprintln!("{:.2} % off", m.mae * 1e2);
         m.mae
     };
-    match by(CaptureMode::Compute) {
-        Err(RenderError::Vulkan(vk::Error::LoopsEnded)) => {}
+    let ended = match by(CaptureMode::Compute) {
+        Err(RenderError::Vulkan(vk::Error::LoopsEnded)) => true,
         // A device that ends no loops.
-        rendered => assert!(off(rendered.unwrap()) < 0.01),
-    }
-    assert!(off(by(CaptureMode::Auto).unwrap()) < 0.01);
+        rendered => {
+            assert!(off(rendered.unwrap()) < 0.01);
+            false
+        }
+    };
+    let auto = by(CaptureMode::Auto).unwrap();
+    let words = "ended the loops of captures in compute";
+    let why = auto.plan.left_out.iter().find(|left| left.pass == "capture_compute").map(|left| &left.why);
+    assert_eq!(why.is_some_and(|why| why.contains(words)), ended, "{why:?}");
+    assert_eq!(auto.warnings.len(), usize::from(ended));
+    assert!(auto.warnings.iter().all(|warning| warning.contains(words)), "{:?}", auto.warnings);
+    assert!(hemicubes.warnings.is_empty());
+    assert!(off(auto) < 0.01);
 }

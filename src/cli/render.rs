@@ -251,7 +251,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     report.stage("open device", started.elapsed() - loaded);
     report.scene(&scene, &camera, note.as_deref(), &settings);
     let rendered = run_with_progress(&device, &scene, &camera, &settings, args.talk)?;
-    report.check(&rendered.picture);
+    report.check(&rendered);
     let writing = Instant::now();
     match picture_kind {
         Kind::Exr => exr::write(&args.output, &rendered.picture, &[])?,

@@ -23,6 +23,9 @@ use rayon::prelude::*;
 pub const CLUSTER: usize = 64;
 /// Clusters of a group, about.
 const GROUP: usize = 6;
+/// Most cells of coarse triangles to one of the surface's: where there would be more, as on flat ground whose every level is
+/// exact, they are larger. Only that each coarse triangle has one goes before.
+pub const MOST_COARSE_CELLS: u32 = 5;
 
 /// How wrong a group's simplification is, and what it stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +132,9 @@ impl Levels {
         let resolution = |(t, e): (&[u32; 3], &f32)| {
             surface.density.resolution(&corners(surface.positions, *t), f64::from(*e).powi(2))
         };
-        let resolutions: Vec<u32> = triangles.iter().zip(&errors).map(resolution).collect();
+        let mut resolutions: Vec<u32> = triangles.iter().zip(&errors).map(resolution).collect();
+        let of_surface = surface.first_cell[surface.triangles.len()] - surface.first_cell[0];
+        limit(&mut resolutions, u64::from(of_surface) * u64::from(MOST_COARSE_CELLS));
         let mut first_cell = vec![first.cell];
         first_cell.extend(resolutions.iter().scan(first.cell, |next, r| {
             *next += r * r;
@@ -262,6 +267,17 @@ impl Graph {
         };
         clusters.into_iter().map(cluster).collect()
     }
+}
+
+/// Lowers resolutions, all by the same share, until they come to `most` cells, or to one each.
+fn limit(resolutions: &mut [u32], most: u64) {
+    let shared = |r: u32, share: f64| ((f64::from(r) * share) as u32).max(1);
+    let cells = |share| resolutions.iter().map(|r| u64::from(shared(*r, share)).pow(2)).sum::<u64>();
+    let mut share = 1.0;
+    while cells(share) > most.max(resolutions.len() as u64) {
+        share *= 0.95;
+    }
+    resolutions.iter_mut().for_each(|r| *r = shared(*r, share));
 }
 
 /// Only what keeps the surface's topology: what moves pieces onto each other shows what they hide.

@@ -15,6 +15,8 @@ use glam::Vec3;
 const FEWEST_FOR_LEVELS: u32 = 1 << 17;
 
 const TESSELLATE: &str = "tessellate";
+const CAPTURE_COMPUTE: &str = "capture_compute";
+const LEVELS: &str = "levels of detail";
 
 /// A part that does not run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -122,11 +124,19 @@ impl Plan {
         self
     }
 
+    /// The plan of a frame by render passes that captures in compute were to draw, as one that says so.
+    pub(super) fn of_ended_loops(mut self) -> Self {
+        for left in self.left_out.iter_mut().filter(|left| [CAPTURE_COMPUTE, LEVELS].contains(&left.pass)) {
+            left.why = "the device ended the loops of captures in compute before all was drawn".into();
+        }
+        self
+    }
+
     /// How records look at the scene, and what that leaves out.
     fn capture_parts(&mut self, against_compute: Option<String>, opaque: u32, lod_error: f32) {
         self.part("capture", against_compute.is_some(), "captures are rasterised in compute");
         let why = against_compute.unwrap_or_default();
-        self.part("capture_compute", why.is_empty(), why.clone());
+        self.part(CAPTURE_COMPUTE, why.is_empty(), why.clone());
         let why = if !why.is_empty() {
             why
         } else if lod_error <= 0.0 {
@@ -135,7 +145,7 @@ impl Plan {
             format!("{opaque} opaque triangles are drawn as soon as chosen from")
         };
         let many = opaque >= FEWEST_FOR_LEVELS && lod_error > 0.0;
-        self.levels = self.part("levels of detail", self.compute && many, why);
+        self.levels = self.part(LEVELS, self.compute && many, why);
     }
 
     /// What captures in compute draw at a distance; none where captures are not in compute.

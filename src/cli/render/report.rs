@@ -3,7 +3,6 @@
 use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
-use hemicube::image::Picture;
 use hemicube::methods::rates::Rates;
 use hemicube::renderer::{Plan, Rendered, Settings};
 use hemicube::report::limits::Share;
@@ -63,8 +62,10 @@ impl Report {
         }
     }
 
-    /// Warns of values that no picture should have.
-    pub fn check(&self, picture: &Picture) {
+    /// Warns of what went otherwise than planned, and of values that no picture should have.
+    pub fn check(&self, rendered: &Rendered) {
+        rendered.warnings.iter().filter(|_| !self.talk.quiet).for_each(|warning| remark!("warning: {warning}"));
+        let picture = &rendered.picture;
         for (channel, count) in picture.non_finite() {
             remark!("warning: {count} pixels of {channel} are NaN or infinite");
         }
@@ -168,6 +169,9 @@ impl Report {
             gpu_bytes: rendered.memory.peak,
             by_use: rendered.memory.by_use.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)).collect(),
         };
+        if !rendered.warnings.is_empty() {
+            stats.extra.insert("warnings".into(), json!(rendered.warnings));
+        }
         if let Some(work) = rendered.cache.work {
             let work = json!({"triangle_views": work.triangle_views, "texels": work.texels,
                 "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});

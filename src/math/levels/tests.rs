@@ -1,5 +1,6 @@
 use super::*;
 use crate::math::cells::centre;
+use crate::math::density::Eye;
 
 /// A sheet of `side`² squares of size 1/side, bent by `height`, a cell a triangle.
 struct Sheet {
@@ -93,5 +94,25 @@ fn coarse_cells_show_cells_of_the_surface_beside_them() {
                 assert!(distance < allowed, "level {}: {distance} above {allowed}", cluster.level);
             }
         }
+    }
+}
+
+/// Every level of flat ground is exact, so that its cells are to be as fine as the surface's: as many for each level.
+#[test]
+fn coarse_cells_are_no_more_than_memory_is_foreseen_for() {
+    let Sheet { positions, triangles, .. } = Sheet::new(128, 0.0);
+    for eye in [None, Some(Eye::new(Vec3::new(0.5, 0.5, 0.1), 0.7))] {
+        let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
+        let density = Density::new(triangles.iter().map(corners), 9 * triangles.len() as u32, eye);
+        let counts = triangles.iter().map(|t| density.resolution(&corners(t), 0.0).pow(2));
+        let end = |end: &mut u32, n: u32| Some(std::mem::replace(end, *end + n));
+        let first_cell: Vec<u32> = counts.chain([0]).scan(0, end).collect();
+        let cells = first_cell[triangles.len()];
+        let surface =
+            Surface { positions: &positions, triangles: &triangles, first_cell: &first_cell, density: &density };
+        let coarse = Levels::new(&surface, First { triangle: triangles.len() as u32, cell: cells }).shown_cell.len();
+        let share = coarse as f64 / f64::from(cells);
+        assert!(share > 0.9 * f64::from(MOST_COARSE_CELLS), "few: nothing to limit in {share}");
+        assert!(share <= f64::from(MOST_COARSE_CELLS), "{share}");
     }
 }

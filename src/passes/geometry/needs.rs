@@ -2,6 +2,7 @@
 
 use super::super::cluster_tree::Detail;
 use super::{CellBudget, TRIANGLES_IN_ROW, cells};
+use crate::math::levels::MOST_COARSE_CELLS;
 use crate::scene::Scene;
 use crate::vk::Device;
 
@@ -60,7 +61,7 @@ pub fn needs(device: &Device, scene: &Scene, cells: &CellBudget, detail: Option<
     need("capture corners", &[36 * unshared, 12 * unshared, corners], texels);
     need("cluster bounds", &[triangles / 4, in_tree * 4, nodes], texels);
     if has_levels {
-        need("coarse cells", &[20 * cells], storage);
+        need("coarse cells", &[4 * u64::from(MOST_COARSE_CELLS) * cells], storage);
     }
     all
 }
