@@ -117,10 +117,14 @@ fn the_integrating_sphere_by_every_kind() {
 /// The rectangle x ∈ [.3, 1.5], z ∈ [−.9, .7], y = 1, which a sun from below makes shine with radiance 1.
 fn rectangle() -> (Scene, [DVec3; 4]) {
     let mut b = Builder::default();
-    let grey = b.material(diffuse(1.0));
-    b.quad(grey, vec3(0.3, 1.0, -0.9), Vec3::X * 1.2, Vec3::Z * 1.6);
-    b.light(Light::Directional { direction: Vec3::Y, irradiance: Vec3::splat(std::f32::consts::PI) });
+    shining_rectangle(&mut b);
     (b.build(), parallelogram(dvec3(0.3, 1.0, -0.9), DVec3::X * 1.2, DVec3::Z * 1.6))
+}
+
+fn shining_rectangle(b: &mut Builder) {
+    let white = b.material(diffuse(1.0));
+    b.quad(white, vec3(0.3, 1.0, -0.9), Vec3::X * 1.2, Vec3::Z * 1.6);
+    b.light(Light::Directional { direction: Vec3::Y, irradiance: Vec3::splat(std::f32::consts::PI) });
 }
 
 /// Root mean square deviation over turns of E, ∇_r E and ∇_t E from the closed form and its central differences.
@@ -183,6 +187,27 @@ fn records_beside_a_wall_see_it() {
             // By turns a centre on the wall's own plane falls to either side.
             assert!((e - 1.0).abs() < 0.02, "{capture:?}, {share:e}: {e}");
         }
+    }
+}
+
+/// A black sheet behind the shining rectangle, farther by a 13,000th: of no texel is it seen in place of the nearer one, from
+/// within the scene, where depths of 19 octaves are told apart.
+#[test]
+fn the_nearer_of_two_sheets_is_seen() {
+    let sheets = |behind: bool| {
+        let mut b = Builder::default();
+        // First, so that of equals it is drawn.
+        let black = b.material(diffuse(0.0));
+        b.quad(black, vec3(-0.3, -0.5, 0.1), Vec3::X * 1e-3, Vec3::Z * 1e-3);
+        if behind {
+            b.quad(black, vec3(0.3, 1.0, -0.9) * (1.0 + 1.0 / 13e3), Vec3::X * 1.2, Vec3::Z * 1.6);
+        }
+        shining_rectangle(&mut b);
+        measure(&b.build(), CaptureMode::Compute, 64, &turned(Vec3::ZERO, 16))
+    };
+    for (one, two) in sheets(false).iter().zip(&sheets(true)) {
+        let [one, two] = [one, two].map(|p| p.reflected.value.y);
+        assert!((two / one - 1.0).abs() < 1e-5, "{one} becomes {two}");
     }
 }
 

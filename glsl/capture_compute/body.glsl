@@ -31,7 +31,7 @@ layout(set = 0, binding = 9) uniform textureBuffer nodes;  // box; first child, 
 layout(set = 0, binding = 10, std430) buffer Count { uint count[2]; };
 layout(set = 0, binding = 11, std430) writeonly buffer Ended { uint ended[2]; };  // not 0 where loops were
 layout(push_constant) uniform Push {
-    float nearest;  // smallest depth that is told from others
+    vec4 sphere;  // around the scene: centre, radius
     float allowed_error;  // at distance 1
     uint texel_count;
     uint border_count;  // of them, at borders between faces
@@ -54,8 +54,11 @@ const uint PLACE_BITS = 3, ENTRY_BITS = 11, ID_BITS = PLACE_BITS + ENTRY_BITS, D
 
 shared uint keys[SIZE * SIZE];
 
+// The range of depths that are told apart.
+struct Depths { float nearest, steps; };  // steps to a unit of a float's bits
+
 // A face of a record's hemicube, or its disc, which looks as the first face does.
-struct View { uint face; mat3 axes; Frame frame; };
+struct View { uint face; mat3 axes; Frame frame; Depths depths; };
 // Corners, in face coordinates; of its alpha mask cells along a side, 0 without one, and the first texel.
 struct Triangle { vec3 a, b, c; uvec2 mask; };
 
@@ -151,7 +154,7 @@ void draw(View view, uint texels, uint first) {
         for (uint entry = me / OCTET; entry < walk.listed; entry += SIDE_BY_SIDE) {
             uint id = (entry + 1) << PLACE_BITS | me % OCTET;
             Triangle t = load(view, triangle_of(id));
-            rasterise(t, bounds(t, view.face), id);
+            rasterise(t, bounds(t, view.face), view.depths, id);
         }
         meet();
     }
@@ -177,7 +180,8 @@ void tell_ended() {
 
 void main() {
     uint views = IS_DISC != 0 ? 1 : 5, record = gl_WorkGroupID.x / views, face = gl_WorkGroupID.x % views;
-    View view = View(face, world_axes(face, frames[record]), frames[record]);
+    Frame frame = frames[record];
+    View view = View(face, world_axes(face, frame), frame, depths_from(frame.origin.xyz));
     uint texels = IS_DISC != 0 ? push.texel_count : SIZE * rows(face);
     uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * SIZE + (face - 1) * (SIZE * SIZE / 2));
     clear(view, texels, first);

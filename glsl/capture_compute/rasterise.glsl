@@ -1,6 +1,8 @@
-// Draws a triangle: row by row of texels between its sides. Wants `keys`, `masks` and Push.nearest.
+// Draws a triangle: row by row of texels between its sides. Wants `keys`, `masks`, Depths and Push.sphere.
 
 struct Texels { ivec2 low, high; };  // both ends included
+
+const float NEAREST = 1.0 / float(1 << 18);  // relative to the scene's radius
 
 const Texels NO_TEXELS = Texels(ivec2(0), ivec2(-1));
 
@@ -41,11 +43,17 @@ bool sees_on_disc(vec3 middle, vec3 extent) {
     return !(sine < 1.0) || (middle.z + extent.z > 0.0 && !is_empty(texels_within(0, least, most)));
 }
 
-// Depth to key: steps of equal ratio over the range that matters, by the float's own bits.
-uint depth_key(float z) {
-    uint bits = floatBitsToUint(max(z, push.nearest)) - floatBitsToUint(push.nearest);
-    // 32 octaves of 2²³ steps: 28 bits.
-    return min(bits, (1u << 28) - 1) >> (28 - DEPTH_BITS);
+// All that may be seen from a point, but from within the scene no nearer than what records are lifted by.
+Depths depths_from(vec3 eye) {
+    float away = distance(eye, push.sphere.xyz), radius = push.sphere.w;
+    float nearest = max(0.5 * (away - radius), radius * NEAREST), farthest = 1.001 * (away + radius);
+    return Depths(nearest, float((1u << DEPTH_BITS) - 1) / float(floatBitsToUint(farthest) - floatBitsToUint(nearest)));
+}
+
+// Depth to key: steps of equal ratio, within two, by the float's own bits.
+uint depth_key(float z, Depths depths) {
+    float bits = float(floatBitsToUint(max(z, depths.nearest)) - floatBitsToUint(depths.nearest));
+    return uint(min(bits * depths.steps, float((1u << DEPTH_BITS) - 1)));
 }
 
 bool outside(Triangle t, uint face) {
@@ -132,7 +140,7 @@ float side_of(vec3 edge, vec3 way) {
 
 // One loop over the rows and columns of the bounds, not one in another: side by side, invocations wait for the largest
 // triangle alone.
-void rasterise(Triangle t, Texels within, uint id) {
+void rasterise(Triangle t, Texels within, Depths depths, uint id) {
     // Signed volumes of the direction with each edge; each is exactly the negative of its neighbour's.
     precise vec3 ea = cross(t.b, t.c), eb = cross(t.c, t.a), ec = cross(t.a, t.b);
     // What is seen from behind is turned: then sides are positive within, and what they bound lies ahead.
@@ -156,7 +164,7 @@ void rasterise(Triangle t, Texels within, uint id) {
         float sum = dot(normal, way), z = volume / sum;
         bool drawn = at.x <= last && all(greaterThanEqual(side, vec3(0.0))) && sum > 0.0;
         if (HAS_MASKS != 0) drawn = drawn && is_present(t.mask, side.yz / sum);
-        if (drawn) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z) << ID_BITS) | id);
+        if (drawn) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z, depths) << ID_BITS) | id);
         ++at.x;
     }
 }

@@ -33,14 +33,6 @@ impl Eye {
     pub fn new(position: Vec3, radius: f32) -> Self {
         Self { position, nearest: radius * NEAREST }
     }
-
-    /// No point of a triangle is nearer: by its plane and its box.
-    pub fn least_distance(&self, [a, b, c]: &[Vec3; 3]) -> f32 {
-        let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
-        let by_box = (low - self.position).max(self.position - high).max(Vec3::ZERO).length();
-        let by_plane = (*b - *a).cross(*c - *a).normalize_or_zero().dot(self.position - *a).abs();
-        by_box.max(by_plane)
-    }
 }
 
 impl Density {
@@ -55,11 +47,6 @@ impl Density {
         let share = |of: f64| if of > 0.0 { half / of } else { 0.0 };
         let even = share(area);
         Self { eye, even: if eye.is_some() { even } else { 2.0 * even }, near: share(angle) }
-    }
-
-    /// Side of a cell that is half a square, where no eye is near.
-    pub fn width(&self) -> f64 {
-        if self.even > 0.0 { (2.0 / self.even).sqrt() } else { 0.0 }
     }
 
     /// Parts that the sides of a triangle are cut into, so that its r² cells are as dense; but none smaller than `least`.

@@ -5,7 +5,7 @@
 //! which [`super::splat`] asks for what is hidden.
 //!
 //! The same texels as [`super::capture`] sees, within the rasterisation rules: texels whose centre lies on an edge may fall
-//! to either side, and of two surfaces whose distances differ by less than 2⁻¹³ of the distance either may be seen. Alpha
+//! to either side, and of two surfaces whose distances differ by less than a 13,000th either may be seen. Alpha
 //! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
 //! or a 64th of the triangle's side.
 
@@ -38,14 +38,11 @@ const FACES: u32 = 5;
 /// Values of two floats in a surface cell.
 const PAIRS: u64 = 3;
 const TABLES: &str = "capture tables";
-/// Nearest depth that is told from nearer ones, relative to the scene's radius: 32 octaves from there on are told apart, up to
-/// 2¹⁴ times the radius.
-const NEAREST: f32 = 1.0 / (1 << 18) as f32;
-
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
-    nearest: f32,
+    /// Around the scene: centre, radius.
+    sphere: [f32; 4],
     /// Error of coarse triangles that is allowed at distance 1.
     allowed_error: f32,
     texel_count: u32,
@@ -187,7 +184,7 @@ impl CaptureCompute {
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let push = Push {
-            nearest: geometry.radius * NEAREST,
+            sphere: ((geometry.bounds[0] + geometry.bounds[1]) * 0.5).extend(geometry.radius).to_array(),
             // A face is 2 wide at distance 1.
             allowed_error: looks.lod_error * 2.0 / size as f32,
             texel_count: looks.texels(),

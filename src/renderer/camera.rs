@@ -1,6 +1,6 @@
 //! The camera as the passes need it.
 
-use crate::math::density::{Density, Eye};
+use crate::math::density::Eye;
 use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
 use crate::passes::place_records::Placement;
@@ -27,17 +27,11 @@ pub(super) struct View {
     size: [u32; 2],
 }
 
-/// Where surfaces are looked at from, if that is nearer to one of them than `cells` cells of one size are wide: those of a
-/// landscape then, but not of a room. A parallel projection looks from nowhere.
-pub(super) fn close_eye(scene: &Scene, camera: &Camera, cells: u32) -> Option<Eye> {
-    if !matches!(camera.lens, Lens::Perspective { .. }) {
-        return None;
-    }
+/// Where surfaces are looked at from. A parallel projection looks from nowhere.
+pub(super) fn eye(scene: &Scene, camera: &Camera) -> Option<Eye> {
     let (low, high) = scene.bounds();
-    let eye = Eye::new(camera.camera_to_world.w_axis.truncate().as_vec3(), (high - low).length() * 0.5);
-    let triangles = || (0..scene.triangles.len() as u32).map(|t| scene.corners(t));
-    let width = Density::new(triangles(), cells, None).width();
-    triangles().any(|corners| f64::from(eye.least_distance(&corners)) < width).then_some(eye)
+    let position = camera.camera_to_world.w_axis.truncate().as_vec3();
+    matches!(camera.lens, Lens::Perspective { .. }).then(|| Eye::new(position, (high - low).length() * 0.5))
 }
 
 impl View {

@@ -1,7 +1,8 @@
 //! The plan: what a scene needs, and why the rest is left out.
 
 use super::Settings;
-use super::camera::close_eye;
+use super::camera::eye;
+use crate::math::density::Eye;
 use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
@@ -60,8 +61,11 @@ impl Plan {
         let facts = Facts::of(scene);
         let full = settings.full_plan;
         let mut plan = Self::default();
-        let indirect = settings.bounces > 0 && (facts.is_lit() || facts.sky || full);
-        plan.surface_cells = if indirect { cells(scene, camera, settings) } else { CellBudget::even(1) };
+        let shines = facts.is_lit() || facts.sky;
+        let indirect = settings.bounces > 0 && (shines || full);
+        // Dark cells are no finer anywhere: nothing is cut for them.
+        let eye = if shines { eye(scene, camera) } else { None };
+        plan.surface_cells = if indirect { cells(scene, eye, settings) } else { CellBudget::even(1) };
         let limit = settings.side_limit(scene, plan.surface_cells.eye, device);
         plan.cut = limit.cuts(scene).then_some(limit);
         let why = "no side is longer than its distance from the eye, or than captures and settings allow";
@@ -169,18 +173,17 @@ const MOST_CELLS: u64 = (1 << 27) / 24;
 
 /// Cells for a scene: more for more detail, fewer where there are many light samples, so that lighting them stays within
 /// about 2²⁶ pairs of the two, and what holds them within 2²⁷ bytes, as long as that leaves each triangle one.
-fn cells(scene: &Scene, camera: &Camera, settings: &Settings) -> CellBudget {
-    let close_to = |count: u32| CellBudget { count, eye: close_eye(scene, camera, count) };
+fn cells(scene: &Scene, eye: Option<Eye>, settings: &Settings) -> CellBudget {
     if let Some(count) = settings.surface_cells {
-        return close_to(count);
+        return CellBudget { count, eye };
     }
     let faces: u32 = scene.parts.iter().filter(|part| scene.emits(part)).map(|part| part.triangle_count).sum();
     let area = if faces > 0 { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
     let sky = if scene.background.is_black() { 0 } else { settings.lights.sky_samples };
     let samples = scene.lights.len() as u64 + u64::from(area + sky);
     let affordable = (1_u64 << 26) / samples.max(1);
-    let mut budget =
-        close_to((40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32);
+    let count = (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32;
+    let mut budget = CellBudget { count, eye };
     while budget.count > 1 && cell_count(scene, &budget) > MOST_CELLS {
         budget.count /= 2;
     }
