@@ -14,6 +14,7 @@ pub use settings::{Settings, SettingsError};
 
 use crate::image::Picture;
 use crate::methods::captures::CaptureMode;
+use crate::methods::casters::{Casters, CoarseSurface};
 use crate::methods::direct::{DirectLight, Extent, LightSet, TooManyLights, light_sets};
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::methods::{Ground, upload_sky};
@@ -134,7 +135,12 @@ fn render_as_set(
         plan.lights.then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device)).transpose()?;
     let ground = Ground { scene, geometry: &geometry, textures };
     let pixels = direct.as_ref().map(|direct| (&gbuffer.targets, direct));
-    let lights = build_lights(device, sets, &ground, pixels, plan.captures && settings.bounces > 0)?;
+    let cells = plan.captures && settings.bounces > 0;
+    let coarse = plan.coarse_casters.then(|| CoarseSurface::new(device, &ground)).transpose()?.flatten();
+    if plan.coarse_casters && coarse.is_none() {
+        plan = plan.of_own_casters();
+    }
+    let lights = build_lights(device, sets, &ground, coarse.as_ref(), pixels, cells)?;
     // What it reflects.
     let counts_records = settings.planes.contains(&Plane::Records);
     let features =
@@ -209,20 +215,24 @@ fn render_as_set(
     })
 }
 
-fn build_lights(
+fn build_lights<'a>(
     device: &Arc<Device>,
     sets: Vec<LightSet>,
-    ground: &Ground<'_>,
+    ground: &Ground<'a>,
+    coarse: Option<&'a CoarseSurface>,
     pixels: Option<(&Targets, &Buffer)>,
     cells: bool,
-) -> Result<Vec<DirectLight>, VulkanError> {
+) -> Result<Vec<DirectLight<'a>>, VulkanError> {
     let needed = |set: &LightSet| cells || !set.cells_only;
     let sets: Vec<_> = sets.into_iter().filter(needed).collect();
-    if sets.is_empty() {
-        return Ok(Vec::new());
-    }
-    let triangles = Arc::new(ground.geometry.linked_triangles(device, &ground.scene.positions)?);
-    sets.into_iter().map(|set| DirectLight::new(device, set, ground, &triangles, pixels, cells)).collect()
+    let coarse = coarse.map(|coarse| Casters::coarse(device, coarse)).transpose()?.map(Arc::new);
+    let is_exact = |set: &LightSet| coarse.is_none() || !set.cells_only;
+    let exact = sets.iter().any(is_exact).then(|| Casters::exact(device, ground)).transpose()?.map(Arc::new);
+    let new = |set: LightSet| {
+        let casters = if is_exact(&set) { &exact } else { &coarse };
+        casters.as_ref().map(|casters| DirectLight::new(device, set, ground, casters, pixels, cells))
+    };
+    sets.into_iter().filter_map(new).collect()
 }
 
 /// Splits the time since it was made into named stages.

@@ -19,6 +19,7 @@ layout(constant_id = 10) const uint SHADOW_SIZE = 256;
 layout(constant_id = 11) const uint SHADOW_COLUMNS = 1;
 layout(constant_id = 12) const uint SHADOW_ROWS = 1;
 layout(constant_id = 13) const uint SHADOW_OPAQUE = 0;
+layout(constant_id = 14) const uint SHADOW_OWN = 1;  // the map shows the cells' own triangles, not coarser ones
 
 layout(set = LIGHT_SET, binding = 0, std430) readonly buffer Lights { LightSample lights[]; };
 layout(set = LIGHT_SET, binding = 1, std430) readonly buffer Frames { Frame frames[]; };
@@ -150,14 +151,14 @@ void main() {
             }
             Sample s = sample_at(start + i * push.stride, corners, r, cell, first, try_of(tries, i));
             if (!any(greaterThan(s.irradiance, vec3(0.0)))) continue;
-            uint shadow = shadow_at(s.light, s.lifted, corners.geometric, true);
+            uint shadow = shadow_at(s.light, s.lifted, corners.geometric, SHADOW_OWN != 0);
             if (shadow == LIT) lit |= 1u << i;
             if (shadow == CLOSE) close |= 1u << i;
         }
         for (; close != 0; close &= close - 1) {
             uint i = findLSB(close);
             Sample s = sample_at(start + i * push.stride, corners, r, cell, first, try_of(tries, i));
-            if (is_lit(s.light, triangle, s.lifted, corners.geometric)) lit |= 1u << i;
+            if (is_lit(s.light, SHADOW_OWN != 0 ? triangle : NO_TRIANGLE, s.lifted, corners.geometric)) lit |= 1u << i;
         }
         for (; lit != 0; lit &= lit - 1) {
             uint i = findLSB(lit);

@@ -8,6 +8,7 @@ pub mod form_factor;
 pub mod levels;
 pub mod sampling;
 pub mod sequence;
+pub mod simplify;
 pub mod visibility;
 pub mod ward;
 pub mod zone;

@@ -1,6 +1,7 @@
 //! Direct light: every light sample's shadow is rendered once, in batches, and lights the surface cells and the pixels.
 
 use super::Ground;
+use super::casters::Casters;
 use super::emitter_samples::Face;
 pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooManyLights, light_sets};
 use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
@@ -10,7 +11,7 @@ use crate::passes::shadow::Shadow;
 use crate::passes::surface_light::{Batch, SurfaceLight};
 use crate::vk::gpu_types::{EmitterFace, LightSample};
 use crate::vk::pass::Recorder;
-use crate::vk::{Buffer, Device, Image, Memory, Result, Sampler};
+use crate::vk::{Buffer, Device, Memory, Result, Sampler};
 use std::sync::Arc;
 
 /// Bytes of shadow tiles, depth and identity, that are held at once.
@@ -19,28 +20,28 @@ const SHADOW_BUDGET: u64 = 128 << 20;
 const POINTS_IN_CELL: u32 = 16;
 
 /// Passes for one set of lights.
-pub struct DirectLight {
+pub struct DirectLight<'a> {
     set: LightSet,
+    casters: Arc<Casters<'a>>,
     shadow: Capture,
     lights: Buffer,
     faces: Option<Buffer>,
-    _triangles: Arc<Image>,
     _sampler: Sampler,
     surface: Option<SurfaceLight>,
     pixel: Option<PixelLight>,
     lift: f32,
 }
 
-impl DirectLight {
+impl<'a> DirectLight<'a> {
     /// Builds the passes that `set` needs.
     ///
-    /// `triangles`: as `Geometry::linked_triangles` makes them; `pixels` are the visible surfaces and the buffer of their
+    /// Pixels see the shadows of exact `casters` only; `pixels` are the visible surfaces and the buffer of their
     /// direct irradiance, four floats a pixel; `cells` says whether captures will read the surface cells.
     pub fn new(
         device: &Arc<Device>,
         set: LightSet,
         ground: &Ground<'_>,
-        triangles: &Arc<Image>,
+        casters: &Arc<Casters<'a>>,
         pixels: Option<(&Targets, &Buffer)>,
         cells: bool,
     ) -> Result<Self> {
@@ -52,10 +53,10 @@ impl DirectLight {
             size: set.shadow_size,
             capacity,
             identity: true,
-            culled: pays_to_cull(device, ground.geometry.triangle_count),
+            culled: pays_to_cull(device, casters.geometry.triangle_count),
         };
         let Ground { scene, geometry, textures } = *ground;
-        let shadow = Capture::new(device, scene, geometry, textures, desc)?;
+        let shadow = Capture::new(device, casters.scene, casters.geometry, textures, desc)?;
         let bytes = u64::from(shadow.desc.capacity) * size_of::<LightSample>() as u64;
         let lights = Buffer::new(device, "light samples", bytes, Memory::Device)?;
         // A batch holds no more faces than samples.
@@ -69,16 +70,17 @@ impl DirectLight {
             capture: &shadow,
             lights: &lights,
             sampler: &sampler,
-            triangles,
-            opaque: scene.opaque_count(),
+            triangles: &casters.triangles,
+            opaque: casters.scene.opaque_count(),
+            own: casters.error == 0.0,
         };
         let surface = cells.then(|| SurfaceLight::new(device, scene, geometry, textures, &shadows)).transpose()?;
         let pixel = pixels
             .map(|(gbuffer, direct)| PixelLight::new(device, gbuffer, &shadows, faces.as_ref(), direct))
             .transpose()?;
-        let lift = geometry.radius * 1e-6;
-        let (_triangles, _sampler) = (triangles.clone(), sampler);
-        Ok(Self { set, shadow, lights, faces, _triangles, _sampler, surface, pixel, lift })
+        let lift = (geometry.radius * 1e-6).max(casters.lift());
+        let (casters, _sampler) = (casters.clone(), sampler);
+        Ok(Self { set, casters, shadow, lights, faces, _sampler, surface, pixel, lift })
     }
 
     /// Number of light samples.
@@ -107,7 +109,7 @@ impl DirectLight {
                     })?;
                 }
                 recording.pass("shadow", |c| {
-                    self.shadow.record(c, ground.geometry, ground.textures, count);
+                    self.shadow.record(c, self.casters.geometry, ground.textures, count);
                     Ok(())
                 })?;
                 if let Some(surface) = &self.surface {

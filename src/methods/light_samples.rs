@@ -14,6 +14,8 @@ use std::f32::consts::PI;
 /// Most punctual lights that are rendered: each costs shadow views and a lookup at every pixel and surface cell.
 pub const MAX_LIGHTS: usize = 4096;
 
+/// Texels a side of a shadow view of the sky.
+pub const SKY_SHADOW_SIZE: u32 = 512;
 /// Samples of the sky that a surface cell needs.
 const SAMPLES_OF_CELL: u32 = 32;
 
@@ -123,7 +125,7 @@ pub fn light_sets(
         LightSet::empty("spot lights", LightKind::Spot, Views::Plane, spot),
         LightSet::empty("wide spot lights", LightKind::Spot, Views::Cube, spot / 2),
         LightSet::empty("emissive triangles", LightKind::Area, Views::Hemicube, settings.shadow_size),
-        LightSet::empty("sky on surfaces", LightKind::Directional, Views::Orthographic, 512),
+        LightSet::empty("sky on surfaces", LightKind::Directional, Views::Orthographic, SKY_SHADOW_SIZE),
     ];
     for light in &scene.lights {
         add_punctual(light, extent, &mut sets);

@@ -5,6 +5,7 @@
 //! closed forms, and so that light can be baked at vertices or lightmap texels.
 
 use super::captures::{CaptureMode, Captures, LIFT, NEAR};
+use super::casters::Casters;
 use super::direct::{DirectLight, Extent, LightSettings, TooManyLights, light_sets};
 use super::{Ground, upload_sky};
 use crate::math::cells;
@@ -252,9 +253,9 @@ fn light_surfaces(
         })
     })?;
     let extent = Extent { bounds: ground.geometry.bounds, radius: ground.geometry.radius };
-    let triangles = Arc::new(ground.geometry.linked_triangles(device, &ground.scene.positions)?);
+    let casters = Arc::new(Casters::exact(device, ground)?);
     for set in light_sets(ground.scene, extent, settings, sky)? {
-        DirectLight::new(device, set, ground, &triangles, None, true)?.run(recorder, ground, |_| {})?;
+        DirectLight::new(device, set, ground, &casters, None, true)?.run(recorder, ground, |_| {})?;
     }
     Ok(())
 }

@@ -18,6 +18,8 @@ pub struct Shadow<'a> {
     pub triangles: &'a Image,
     /// Number of triangles without an alpha mask.
     pub opaque: u32,
+    /// They are the receivers' own surface, not a coarser one that stands for it.
+    pub own: bool,
 }
 
 impl Shadow<'_> {

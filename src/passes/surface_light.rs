@@ -74,7 +74,8 @@ impl SurfaceLight {
                 None => (vec![&geometry.set_layout, &layout], spirv!("surface_light", "plain.comp")),
             };
             let pipeline_layout = PipelineLayout::new(device, &sets, push)?;
-            let constants = variant.constants(geometry.streams, &shadow.constants());
+            let shadows: Vec<u32> = shadow.constants().into_iter().chain([u32::from(shadow.own)]).collect();
+            let constants = variant.constants(geometry.streams, &shadows);
             pipelines.insert(variant, ComputePipeline::new("surface_light", &pipeline_layout, code, &constants)?);
         }
         Ok(Self { pipelines, set, _layout: layout })

@@ -2,6 +2,7 @@
 
 use super::Settings;
 use super::plan::Plan;
+use crate::methods::casters::CoarseSurface;
 use crate::passes::geometry::{Need, needs};
 use crate::scene::Scene;
 use crate::vk::Device;
@@ -57,7 +58,8 @@ pub fn memory_needs(device: &Device, scene: &Scene, plan: &Plan, settings: &Sett
     let mut all = needs(device, scene, &plan.surface_cells, plan.detail(), plan.lights);
     let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
-    let rest = [("textures", textures), ("the image", image), ("batches", FRAME)];
+    let casters = if plan.coarse_casters { CoarseSurface::most_bytes(scene) } else { 0 };
+    let rest = [("textures", textures), ("the image", image), ("coarse casters", casters), ("batches", FRAME)];
     // These are many, none of them large beside the device's limits.
     all.extend(rest.map(|(used_for, bytes)| Need { used_for, bytes, largest: 0, allowed: u64::MAX }));
     all.retain(|need| need.bytes > 0);

@@ -3,6 +3,7 @@
 use super::Settings;
 use super::camera::eye;
 use crate::math::density::Eye;
+use crate::methods::casters::FEWEST_TO_SIMPLIFY;
 use crate::methods::emitter_samples::MOST_FACES;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
@@ -15,6 +16,9 @@ use glam::Vec3;
 /// Opaque triangles from which levels of detail are made. Fewer are drawn sooner than coarser ones made.
 const FEWEST_FOR_LEVELS: u32 = 1 << 17;
 
+const CASTERS: &str = "coarse casters";
+const NO_ERROR: &str = "no error is allowed for them (--lod-error 0)";
+const NO_SKY: &str = "the background is black";
 const TESSELLATE: &str = "tessellate";
 const CAPTURE_COMPUTE: &str = "capture_compute";
 const LEVELS: &str = "levels of detail";
@@ -43,6 +47,8 @@ pub struct Plan {
     pub lights: bool,
     /// The background shines.
     pub sky: bool,
+    /// The sky's shadows on surface cells are cast by a coarser surface, if one with far fewer triangles is close enough.
+    pub coarse_casters: bool,
     /// Records are captured.
     pub captures: bool,
     /// They are captured in compute.
@@ -80,7 +86,8 @@ impl Plan {
         plan.lights = facts.is_lit() || full;
         plan.part("shadow", plan.lights, "no lights");
         plan.part("pixel_light", plan.lights, "no lights");
-        plan.sky = plan.part("sky", facts.sky || full, "the background is black");
+        plan.sky = plan.part("sky", facts.sky || full, NO_SKY);
+        plan.coarse_casters = plan.coarse_casters_part(settings, &facts);
         plan.captures = indirect || plan.sky;
         let why = if settings.bounces == 0 { "no bounces are asked for" } else { "nothing shines" };
         plan.part("surface_light", indirect, why);
@@ -136,6 +143,26 @@ impl Plan {
         self
     }
 
+    /// The plan of a frame whose surface could not be simplified far, as one that says so.
+    pub(super) fn of_own_casters(mut self) -> Self {
+        self.run.retain(|part| *part != CASTERS);
+        self.coarse_casters =
+            self.part(CASTERS, false, "simplified, the surface keeps more than half of its triangles");
+        self
+    }
+
+    /// Whether the sky's shadows are cast by a coarser surface.
+    fn coarse_casters_part(&mut self, settings: &Settings, facts: &Facts) -> bool {
+        let runs = facts.opaque >= FEWEST_TO_SIMPLIFY && settings.cache.lod_error > 0.0;
+        let why = match (facts.sky, settings.bounces) {
+            (false, _) => NO_SKY.into(),
+            (true, 0) => "no bounces are asked for".into(),
+            _ if settings.cache.lod_error <= 0.0 => NO_ERROR.into(),
+            _ => format!("{} opaque triangles are drawn as soon as simplified", facts.opaque),
+        };
+        self.part(CASTERS, runs && facts.sky && settings.bounces > 0, why)
+    }
+
     /// How records look at the scene, and what that leaves out.
     fn capture_parts(&mut self, against_compute: Option<String>, opaque: u32, lod_error: f32) {
         self.part("capture", against_compute.is_some(), "captures are rasterised in compute");
@@ -144,7 +171,7 @@ impl Plan {
         let why = if !why.is_empty() {
             why
         } else if lod_error <= 0.0 {
-            "no error is allowed for them (--lod-error 0)".into()
+            NO_ERROR.into()
         } else {
             format!("{opaque} opaque triangles are drawn as soon as chosen from")
         };
