@@ -1,0 +1,122 @@
+//! What a device cannot do is done otherwise, with the same picture.
+
+use super::WHOLE;
+use crate::common::build::{Builder, Facing, diffuse};
+use crate::common::{check_complete, draw, gpu, look, small};
+use glam::{Mat3, Vec3, dvec3, vec3};
+use hemicube::image::metrics::measure as measure_image;
+use hemicube::math::capture::Projection;
+use hemicube::methods::captures::CaptureMode;
+use hemicube::renderer::{RenderError, Rendered, render};
+use hemicube::scene::{Light, Material, TextureRef, cornell};
+use hemicube::vk::{self, Device, DeviceChoice, Instance};
+use std::sync::Arc;
+
+/// Whole frames at the smallest and largest sizes; compute gives way where a face outgrows shared memory, and says so.
+#[test]
+fn every_size_renders_and_the_plan_says_by_what() {
+    let scene = cornell();
+    for capture in WHOLE {
+        for size in [8, 128, 256] {
+            let mut settings = small(6);
+            (settings.cache.capture, settings.cache.capture_size) = (capture, size);
+            let rendered = draw(&scene, &scene.cameras[0], &settings);
+            check_complete(&rendered);
+            let left_out = |pass| rendered.plan.left_out.iter().find(|l| l.pass == pass).map(|l| l.why.clone());
+            let ran = |pass| rendered.passes.iter().any(|p| p.name == pass);
+            assert!(ran("capture") != ran("capture_compute"));
+            let is_curved = capture.projection() == Projection::Hemisphere && ran("capture");
+            assert_eq!(left_out("tessellate").is_none(), is_curved);
+            if matches!(capture, CaptureMode::Compute | CaptureMode::ComputeHemisphere) {
+                let fits = size * size * 4 + 8 <= gpu().capabilities.limits.max_compute_shared_memory_size;
+                assert_eq!(ran("capture_compute"), fits);
+                assert!(fits || left_out("capture_compute").unwrap().contains("shared memory"));
+            }
+        }
+    }
+    for (size, aperture) in [(6, 90.0), (258, 90.0), (9, 90.0), (32, 9.0), (32, 171.0), (32, f64::NAN)] {
+        let mut settings = small(12);
+        settings.cache.capture = CaptureMode::Plane { aperture, compensated: true };
+        settings.cache.capture_size = size;
+        assert!(settings.check(&gpu()).is_err(), "{size} {aperture}");
+    }
+}
+
+/// Devices that set triangles up before they are clipped have the vertex stage cut them, in the G-buffer, shadow maps and
+/// captures. The same picture, but for pixels and texels whose centre lies within rounding of an edge: a room whose walls go
+/// on behind every eye, with a texture, a mask and a light.
+#[test]
+fn triangles_cut_by_the_vertex_stage_make_the_same_picture() {
+    let mut b = Builder::default();
+    let texels = |a: [u8; 4], c: [u8; 4]| (0..64).map(|i| if (i + i / 8) % 2 == 0 { a } else { c }).collect::<Vec<_>>();
+    let colours = b.texture(8, 8, texels([220, 180, 60, 255], [60, 90, 200, 255]), false);
+    let holes = b.texture(8, 8, texels([255; 4], [255, 255, 255, 0]), true);
+    let map = |texture| Some(TextureRef { texture, set: 0, transform: Mat3::IDENTITY });
+    let tiles = b.material(Material { base_texture: map(colours), ..diffuse(0.8) });
+    let grid = b.material(Material { base_texture: map(holes), alpha_cutoff: Some(0.5), ..diffuse(0.6) });
+    b.cuboid(tiles, vec3(-3.0, 0.0, -3.0), vec3(3.0, 3.0, 3.0), Facing::In);
+    b.floor(grid, 0.5, 3.0);
+    b.light(Light::Point { position: vec3(1.0, 2.0, 0.5), intensity: Vec3::splat(3.0) });
+    let scene = b.build();
+    let mut settings = small(32);
+    (settings.cache.capture, settings.cache.capture_size, settings.cache.accuracy) = (CaptureMode::Hemicube, 16, 0.6);
+    let [whole, cut] = [true, false].map(|clips| {
+        let mut device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
+        Arc::get_mut(&mut device).unwrap().capabilities.clips_before_setup = clips;
+        let camera = look(dvec3(2.5, 1.2, 2.5), dvec3(0.0, 0.8, 0.0), 80.0);
+        let rendered = render(&device, &scene, &camera, &settings, &mut |_, _, _| {}).unwrap();
+        assert_eq!(device.instance.validation_messages(), 0, "validation messages; they are printed above");
+        check_complete(&rendered);
+        rendered.picture
+    });
+    // Which of two places a record takes may hang on a pixel's last digit: the number of records is not compared.
+    for (name, values) in whole.channels.iter().filter(|(name, _)| *name != "records.Y") {
+        let scale = values.iter().fold(0.0f32, |most, v| most.max(v.abs()));
+        let off = values.iter().zip(&cut.channels[name]).filter(|(a, b)| (*a - *b).abs() > 0.01 * scale).count();
+        eprintln!("{name}: {off} of {} pixels differ by more than 1 % of the most, {scale}", values.len());
+        assert!(off * 100 <= values.len(), "{name}: {off} pixels");
+    }
+}
+
+/// Sheets over each other, the lowest last: every one of them is drawn all over the view before the next hides it. llvmpipe
+/// ends a shader's loops before that is done; then nobody is shown what is missing.
+#[test]
+fn what_outlasts_the_loops_of_a_device_is_told() {
+    let mut b = Builder::default();
+    let grey = b.material(diffuse(0.5));
+    b.floor(grey, 0.0, 4.0);
+    for i in 0..600 {
+        b.quad(grey, vec3(-4.0, 3.0 - 2.0 * i as f32 / 600.0, -4.0), Vec3::X * 8.0, Vec3::Z * 8.0);
+    }
+    b.light(Light::Point { position: vec3(0.0, 0.5, 0.0), intensity: Vec3::splat(10.0) });
+    let scene = b.build();
+    let camera = look(dvec3(2.0, 0.6, 2.0), dvec3(0.0, 0.0, 0.0), 80.0);
+    let by = |capture| {
+        let mut settings = small(8);
+        (settings.cache.capture, settings.cache.capture_size) = (capture, 32);
+        render(&gpu(), &scene, &camera, &settings, &mut |_, _, _| {})
+    };
+    let hemicubes = by(CaptureMode::Hemicube).unwrap();
+    let whole = hemicubes.picture.layer("irradiance").unwrap();
+    let off = |rendered: Rendered| {
+        let m = measure_image(&rendered.picture.layer("irradiance").unwrap(), &whole, 8, None);
+        eprintln!("{:.2} % off", m.mae * 1e2);
+        m.mae
+    };
+    let ended = match by(CaptureMode::Compute) {
+        Err(RenderError::Vulkan(vk::Error::LoopsEnded)) => true,
+        // A device that ends no loops.
+        rendered => {
+            assert!(off(rendered.unwrap()) < 0.01);
+            false
+        }
+    };
+    let auto = by(CaptureMode::Auto).unwrap();
+    let words = "ended the loops of captures in compute";
+    let why = auto.plan.left_out.iter().find(|left| left.pass == "capture_compute").map(|left| &left.why);
+    assert_eq!(why.is_some_and(|why| why.contains(words)), ended, "{why:?}");
+    assert_eq!(auto.warnings.len(), usize::from(ended));
+    assert!(auto.warnings.iter().all(|warning| warning.contains(words)), "{:?}", auto.warnings);
+    assert!(hemicubes.warnings.is_empty());
+    assert!(off(auto) < 0.01);
+}
