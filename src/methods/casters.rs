@@ -6,7 +6,7 @@
 //! what lies as near to another surface.
 
 use super::Ground;
-use super::light_samples::SKY_SHADOW_SIZE;
+use super::sky::SKY_SHADOW_SIZE;
 use crate::math::simplify::simplified;
 use crate::passes::geometry::{CellBudget, Geometry};
 use crate::scene::{Part, Scene};

@@ -1,43 +1,14 @@
 //! Emissive triangles as samples: where their shadows are looked from, and which samples belong to which triangle.
 
-use super::light_samples::{Extent, LightSet, NEAR, brightness, frame, with};
+pub use super::light_set::Face;
+use super::light_set::{Extent, LightSet, NEAR, brightness, frame, with};
 use crate::math::sequence::triangle_point;
 use crate::scene::{Emitter, Scene};
-use crate::vk::gpu_types::{EmitterFace, LightSample};
-use glam::Vec3;
+use crate::vk::gpu_types::LightSample;
 use std::f32::consts::PI;
-use std::ops::Range;
 
 /// Most emitting sides of triangles that have samples of their own; beyond it, samples are shared out by power alone.
 pub const MOST_FACES: usize = 1024;
-
-/// A side of an emissive triangle that has samples of its own.
-#[derive(Clone, Debug)]
-pub struct Face {
-    /// Corners, counter-clockwise seen from where it shines.
-    pub corners: [Vec3; 3],
-    /// Its samples in the set.
-    pub samples: Range<u32>,
-}
-
-impl Face {
-    /// The faces of a batch that holds the samples `batch` of the set.
-    pub fn of_batch(faces: &[Self], batch: &Range<u32>) -> Vec<EmitterFace> {
-        let in_batch = |face: &Self| {
-            let (first, end) = (face.samples.start.max(batch.start), face.samples.end.min(batch.end));
-            (first < end).then(|| {
-                let [a, b, c] = face.corners;
-                let share = (end - first) as f32 / face.samples.len() as f32;
-                EmitterFace {
-                    a: with(a, share),
-                    b: with(b, f32::from_bits(first - batch.start)),
-                    c: with(c, f32::from_bits(end - first)),
-                }
-            })
-        };
-        faces.iter().filter_map(in_batch).collect()
-    }
-}
 
 /// A side of an emissive triangle, and its power but for π.
 struct Side {

@@ -10,6 +10,7 @@ pub mod direct;
 pub mod emitter_samples;
 pub mod irradiance_cache;
 pub mod light_samples;
+pub mod light_set;
 pub mod probes;
 pub mod rates;
 mod sky;

@@ -1,8 +1,32 @@
 //! What receivers of shadowed light read: `glsl/inc/shadow.glsl`.
 
 use super::capture::Capture;
-use crate::methods::direct::LightKind;
 use crate::vk::{Binding, Buffer, Image, Sampler};
+
+/// Kinds of light samples (`glsl/shared/types.glsl`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LightKind {
+    /// Parallel light.
+    Directional,
+    /// Radiant intensity from a point.
+    Point,
+    /// The same within a cone.
+    Spot,
+    /// A piece of an emissive triangle.
+    Area,
+}
+
+impl LightKind {
+    /// Value of the shaders' `LIGHT_KIND`.
+    pub fn code(self) -> u32 {
+        match self {
+            Self::Directional => 0,
+            Self::Point => 1,
+            Self::Spot => 2,
+            Self::Area => 3,
+        }
+    }
+}
 
 /// A batch of light samples and their shadow views.
 pub struct Shadow<'a> {
