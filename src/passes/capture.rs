@@ -13,6 +13,7 @@ use super::cull::Cull;
 use super::fan_on;
 use super::geometry::{DrawRange, Geometry};
 use super::material::Textures;
+pub use super::views::Views;
 use crate::scene::Scene;
 use crate::vk::gpu_types::Frame;
 use crate::vk::{
@@ -25,43 +26,6 @@ use std::sync::Arc;
 
 /// Scenes up to this many triangles are drawn whole: culling would cost more than it saves.
 pub const WHOLE_SCENE: u32 = 256;
-
-/// The views of a frame (`glsl/shared/types.glsl`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Views {
-    /// Five faces, the sides cut at the horizon.
-    Hemicube,
-    /// Six faces.
-    Cube,
-    /// One perspective view along the axis.
-    Plane,
-    /// One parallel view along the axis.
-    Orthographic,
-    /// One view of all above the axis's horizon, projected onto the disc below it.
-    Hemisphere,
-}
-
-impl Views {
-    /// Number of views.
-    pub fn count(self) -> u32 {
-        match self {
-            Self::Hemicube => 5,
-            Self::Cube => 6,
-            Self::Plane | Self::Orthographic | Self::Hemisphere => 1,
-        }
-    }
-
-    /// Value of the shaders' `VIEWS`.
-    pub fn code(self) -> u32 {
-        match self {
-            Self::Hemicube => 0,
-            Self::Cube => 1,
-            Self::Plane => 2,
-            Self::Orthographic => 3,
-            Self::Hemisphere => 4,
-        }
-    }
-}
 
 /// Shape of a capture target.
 #[derive(Clone, Copy, Debug)]

@@ -1,9 +1,9 @@
 //! Culling: which clusters each view of each frame sees, as indirect draws.
 
-use super::capture::Views;
 use super::counter::Counter;
 use super::geometry::{CLUSTER, Geometry};
 use super::groups;
+use super::views::Views;
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
     Specialisation, spirv,

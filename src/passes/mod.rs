@@ -21,6 +21,7 @@ pub mod resolve;
 pub mod shadow;
 pub mod splat;
 pub mod surface_light;
+pub mod views;
 
 use crate::vk::Device;
 
