@@ -27,8 +27,9 @@ use std::sync::Arc;
 
 /// Octets that are listed at once (`LIST` of the shader).
 const LISTED: u32 = 2016;
-/// Triangles without levels of detail, at most, that one subgroup draws at 32² texels.
-const MOST_EXACT: u64 = 1 << 17;
+/// Triangles without levels of detail, at most, that one subgroup draws at 32² texels: at 64² half as many, for each then takes
+/// about twice the rounds.
+const MOST_EXACT: u64 = 3 << 16;
 /// Invocations of a workgroup that is no subgroup.
 const THREADS: u32 = 64;
 /// Steps of a subgroup along a row of texels, at most (`LONGEST_ROW` of the shader).
@@ -232,10 +233,10 @@ impl CaptureCompute {
 /// triangles are drawn as they are, the fewer the more texels they have. Where large ones lie
 /// over each other that may still be too much, which the shader tells ([`CaptureCompute::check`]).
 fn by_subgroups(device: &Device, threads: u32, (geometry, tree): (&Geometry, &ClusterTree), size: u32) -> bool {
-    // Of levels of detail a view draws and visits a small part: the same is seen by whole workgroups of 4 million triangles.
-    let share = |masked: bool| if tree.has_levels() && !masked { 64 } else { 1 };
+    // Of levels of detail a view draws and visits a small part: of four million triangles twice what it does of 66,000.
+    let share = |masked: bool| if tree.has_levels() && !masked { 32 } else { 1 };
     let drawn = geometry.ranges.iter().map(|r| r.triangles.len() as u64 / share(r.masked.is_some())).sum::<u64>();
-    let few = drawn * u64::from(size * size) <= MOST_EXACT * 32 * 32;
+    let few = drawn * u64::from(size) <= MOST_EXACT * 32;
     // Rows of texels are whole steps of a subgroup.
     let steps = size / threads <= MOST_STEPS && size.is_multiple_of(threads);
     let fits = threads >= 8 && THREADS.is_multiple_of(threads) && steps;
