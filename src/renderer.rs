@@ -13,7 +13,7 @@ pub use plan::{LeftOut, Plan};
 pub use settings::{Settings, SettingsError};
 
 use crate::image::Picture;
-use crate::methods::captures::CaptureMode;
+use crate::methods::captures::{CaptureMode, NoSlices};
 use crate::methods::casters::{Casters, CoarseSurface};
 use crate::methods::direct::{DirectLight, Extent, LightSet, TooManyLights, light_sets};
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
@@ -44,6 +44,9 @@ pub enum RenderError {
     /// The scene's size.
     #[error(transparent)]
     Memory(#[from] TooLarge),
+    /// The way to capture.
+    #[error(transparent)]
+    Slices(#[from] NoSlices),
 }
 
 /// A finished frame and what it cost.
@@ -113,6 +116,9 @@ fn render_as_set(
     if cut.is_some() {
         plan = Plan::of(scene, camera, settings, Some(device)).of_cut();
         clock.lap("tessellate");
+    }
+    if plan.captures {
+        settings.cache.capture.check(device, scene, settings.cache.capture_size)?;
     }
     memory::check(device, scene, &plan, settings)?;
     let size = [settings.width, settings.height];

@@ -17,6 +17,7 @@ layout(constant_id = 5) const uint HAS_LEVELS = 0;
 layout(constant_id = 6) const uint THREADS = 64;  // a multiple of the tree's children
 layout(constant_id = 7) const uint COUNTS = 0;  // triangles that are drawn
 layout(constant_id = 8) const uint MAY_END = 0;  // the device may end loops
+layout(constant_id = 9) const uint HAS_SLICES = 0;  // for what is far
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1) uniform textureBuffer octets;  // boxes of triangles: low, high
@@ -38,11 +39,18 @@ layout(push_constant) uniform Push {
     uint first_coarse_cell;
     uint clusters;  // of the tree: its first nodes
     uint root;      // its children
+    // Of slices: the grid; within which distance all is drawn as it is, the longest side of a voxel.
+    float low[3];
+    float per_length[3];  // voxels
+    uint dims[3];
+    float near;
+    float voxel;
 } push;
 
 #include "inc/cells.glsl"
 #include "inc/count.glsl"
 #include "inc/gathered.glsl"
+#include "inc/mask.glsl"
 #include "inc/sky.glsl"
 
 const uint OCTET = 8;  // triangles that are drawn side by side; children of a node
@@ -114,6 +122,19 @@ void look(View view, uint triangle, vec3 way, out vec3 light, out vec3 plane) {
     uint cell = floatBitsToUint(p0.w) + cell_at(floatBitsToUint(p1.w) >> 16, uv);
     if (HAS_LEVELS != 0 && cell >= push.first_coarse_cell) cell = shown_cell[cell - push.first_coarse_cell];
     light = cell_light(cell, dot(a, cross(e1, e2)) < 0.0);
+}
+
+#include "capture_compute/slices.glsl"
+
+// What a texel sees, of the triangle's number plus 1.
+Sight see(View view, uint key, uint triangle, vec3 way) {
+    Sight sight = Sight(vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
+    if (triangle != 0) look(view, triangle - 1, way, sight.light, sight.plane);
+    if (HAS_SKY != 0 && key == NOTHING) sight.beyond = sky_radiance(way * view.axes);
+    sight.inverse_distance = max(dot(sight.plane, way) * inversesqrt(dot(way, way)), 0.0);
+    // Below the horizon there is nothing.
+    if (HAS_SLICES != 0 && (triangle != 0 || key == NOTHING)) see_slices(view, way, triangle != 0, sight);
+    return sight;
 }
 
 #ifdef SUMMING

@@ -17,14 +17,9 @@ void tell(View view, uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         Spot spot = spot_of(i);
         uint key = keys[spot.key], triangle = triangle_at(i, key, first), at = STRIDE * (first + i);
-        vec3 light = vec3(0.0), plane = vec3(0.0);
-        if (triangle != 0) look(view, triangle - 1, spot.way, light, plane);
-        gathered[at] = vec4(light, max(dot(plane, spot.way) * inversesqrt(dot(spot.way, spot.way)), 0.0));
-        if (HAS_SKY != 0) {
-            vec3 beyond = vec3(0.0);
-            if (key == NOTHING) beyond = sky_radiance(spot.way * view.axes);
-            gathered[at + 1] = vec4(beyond, 0.0);
-        }
-        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane * axes, 0.0);
+        Sight sight = see(view, key, triangle, spot.way);
+        gathered[at] = vec4(sight.light, sight.inverse_distance);
+        if (HAS_SKY != 0) gathered[at + 1] = vec4(sight.beyond, 0.0);
+        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(sight.plane * axes, 0.0);
     }
 }

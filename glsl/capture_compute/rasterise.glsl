@@ -125,13 +125,6 @@ ivec2 columns(Sides sides, Texels within, float y) {
     return ivec2(max(within.low.x, between.x), min(within.high.x, between.y));
 }
 
-// Whether the surface is there at the point (1−u−v)·a + u·b + v·c.
-bool is_present(uvec2 mask, vec2 uv) {
-    uint cell = cell_at(max(mask.x, 1), uv);
-    uvec4 bits = floatBitsToUint(texelFetch(masks, int(mask.y + cell / 128)));
-    return mask.x == 0 || (bits[cell / 32 % 4] >> cell % 32 & 1) != 0;
-}
-
 // On which side of an edge a direction lies: exactly the negative for the edge in the other sense.
 float side_of(vec3 edge, vec3 way) {
     precise float side = edge.x * way.x + edge.y * way.y + (IS_DISC != 0 ? edge.z * way.z : edge.z);

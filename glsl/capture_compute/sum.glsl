@@ -5,8 +5,8 @@
 #include "inc/sums.glsl"
 
 layout(set = 0, binding = 4) uniform textureBuffer cell_radiance;  // two floats a texel, three a cell: to front and back
-layout(set = 0, binding = 12, std430) buffer Distances { uint inverse_distances[]; };  // of each texel, bits
-layout(set = 0, binding = 13, std430) writeonly buffer Sums { float sums[]; };
+layout(set = 0, binding = 13, std430) buffer Distances { uint inverse_distances[]; };  // of each texel, bits
+layout(set = 0, binding = 14, std430) writeonly buffer Sums { float sums[]; };
 
 vec3 cell_light(uint cell, bool front) {
     int at = 3 * int(cell) + (front ? 0 : 1);
@@ -84,16 +84,6 @@ void put_part(inout uint at, Part part, vec3 slope_x, vec3 slope_y) {
 // Of the plane, from a texel's centre to its edges to the right and below.
 vec2 to_edges(vec3 plane) { return vec2(plane.x, -plane.y) / float(SIZE); }
 
-Seen see(View view, uint key, uint triangle, vec3 way, out vec3 plane, out float inverse_depth) {
-    vec3 light = vec3(0.0), beyond = vec3(0.0);
-    plane = vec3(0.0);
-    if (triangle != 0) look(view, triangle - 1, way, light, plane);
-    if (HAS_SKY != 0 && key == NOTHING) beyond = sky_radiance(way * view.axes);
-    inverse_depth = dot(plane, way);
-    float inverse_distance = max(inverse_depth * inversesqrt(dot(way, way)), 0.0);
-    return Seen(vec4(light, inverse_distance), beyond, inverse_depth + to_edges(plane));
-}
-
 void leave_at_border(uint at, Seen seen, vec3 plane) {
     gathered[STRIDE * at] = seen.light;
     if (HAS_SKY != 0) gathered[STRIDE * at + 1] = vec4(seen.beyond, 0.0);
@@ -108,9 +98,10 @@ void tell(View view, uint texels, uint first) {
     uint me = gl_LocalInvocationID.x, record = first / push.texel_count, base = first % push.texel_count;
     for (uint i = me; i < texels; i += THREADS) {
         uint key = keys[i];
-        vec3 plane;
-        float inverse_depth;
-        Seen now = see(view, key, triangle_at(i, key, first), spot_of(i).way, plane, inverse_depth);
+        vec3 way = spot_of(i).way;
+        Sight sight = see(view, key, triangle_at(i, key, first), way);
+        float inverse_depth = dot(sight.plane, way);
+        Seen now = Seen(vec4(sight.light, sight.inverse_distance), sight.beyond, inverse_depth + to_edges(sight.plane));
         if (view.face > 0) inverse_distances[first + i] = floatBitsToUint(now.light.w);
         // Values of src/vk/gpu_types.rs.
         int at = 4 * int(base + i);
@@ -121,7 +112,7 @@ void tell(View view, uint texels, uint first) {
         vec4 to_left = texelFetch(texel_table, at + 1), up = texelFetch(texel_table, at + 2);
         vec4 bend = texelFetch(texel_table, at + 3);
         Seen left = left_of(now, above[0]), over = above[ROW - 1];
-        vec2 back = inverse_depth - to_edges(plane);
+        vec2 back = inverse_depth - to_edges(sight.plane);
         step_over(slide, left, now, left.onward.x, back.x, to_left.xyz, vec3(to_left.w, bend.xy));
         step_over(slide, over, now, over.onward.y, back.y, up.xyz, vec3(up.w, bend.zw));
         // One by one, for what is indexed by a variable lies in memory.
@@ -134,7 +125,7 @@ void tell(View view, uint texels, uint first) {
         if (ROW > 1) above[1] = above[0];
         above[0] = now;
         uint border = floatBitsToUint(weight.w);
-        if (border != 0) leave_at_border(record * push.border_count + border - 1, now, plane * local_axes(view.face));
+        if (border != 0) leave_at_border(record * push.border_count + border - 1, now, sight.plane * local_axes(view.face));
     }
     uint to = FACES * THREADS * SUMS * record + THREADS * view.face + me;
     put_part(to, lit, slide.lit_x, slide.lit_y);

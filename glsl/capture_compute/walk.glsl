@@ -54,6 +54,7 @@ uint find_clusters(View view, inout Walk walk) {
         uint node = children / OCTET + (mine ? me % OCTET : 0);
         vec4 low = texelFetch(nodes, int(NODE * node)), high = texelFetch(nodes, int(NODE * node) + 1);
         bool seen = mine && sees(view, low.xyz, high.xyz), is_cluster = node < push.clusters;
+        if (HAS_SLICES != 0) seen = seen && distance_to(view.frame.origin.xyz, low.xyz, high.xyz) <= push.near;
         if (HAS_LEVELS != 0) seen = seen && is_shown(node, view.frame.origin.xyz);
         meet();
         uvec2 leaves = places(seen && is_cluster), inner = places(seen && !is_cluster);
@@ -73,6 +74,7 @@ void list_octets(View view, inout Walk walk, uint found) {
         uint place = first + me / OCTET, octet = clusters[min(place, found - 1)] * OCTET + me % OCTET;
         vec3 low = texelFetch(octets, int(2 * octet)).xyz, high = texelFetch(octets, int(2 * octet) + 1).xyz;
         bool seen = place < found && sees(view, low, high);
+        if (HAS_SLICES != 0) seen = seen && distance_to(view.frame.origin.xyz, low, high) <= push.near;
         uvec2 at = places(seen);
         if (seen) list[walk.listed + at.x] = octet;
         walk.listed += at.y;

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use hemicube::image::tone::{Look, ToneMap};
 use hemicube::image::{LayerSet, exr, png};
-use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
+use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE, SLICES, SLICES_NEAR};
 use hemicube::passes::integrate::{Gradients, Radius};
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -80,6 +80,12 @@ pub struct RenderArgs {
     /// Whether texels at the border of --capture plane stand for what it does not see; without it that is black
     #[arg(long, value_enum, default_value = "on", help_heading = "Irradiance cache")]
     compensation: CompensationArg,
+    /// Voxels along the scene's longest side for --capture slices, 4 to 128
+    #[arg(long, value_name = "N", default_value_t = SLICES, help_heading = "Irradiance cache")]
+    slices: u32,
+    /// How many voxels away --capture slices still draws triangles as they are, 2 to 1000
+    #[arg(long, value_name = "VOXELS", default_value_t = SLICES_NEAR, help_heading = "Irradiance cache")]
+    slices_near: f32,
     /// Cut triangles so that no side is longer than this share of the scene's diagonal; --capture hemisphere, which draws
     /// curved sides straight, does so by itself
     #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
@@ -173,6 +179,8 @@ enum CaptureArg {
     Compute,
     /// The hemisphere's projection rasterised in compute; triangles stay as they are
     ComputeHemisphere,
+    /// Hemicubes in compute of what is near; what is far is seen as slices of voxels (--slices, --slices-near)
+    Slices,
 }
 
 /// `--compensation`
@@ -323,6 +331,7 @@ impl RenderArgs {
             CaptureArg::Hemicube => CaptureMode::Hemicube,
             CaptureArg::Compute => CaptureMode::Compute,
             CaptureArg::ComputeHemisphere => CaptureMode::ComputeHemisphere,
+            CaptureArg::Slices => CaptureMode::Slices { across: self.slices, near: self.slices_near },
             CaptureArg::Plane => {
                 CaptureMode::Plane { aperture: self.aperture, compensated: self.compensation == CompensationArg::On }
             }

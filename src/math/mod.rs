@@ -9,6 +9,7 @@ pub mod levels;
 pub mod sampling;
 pub mod sequence;
 pub mod simplify;
+pub mod slices;
 pub mod visibility;
 pub mod ward;
 pub mod zone;

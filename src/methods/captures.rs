@@ -2,14 +2,17 @@
 
 use super::Ground;
 use crate::math::capture::Projection;
+use crate::math::slices::Grid;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
-use crate::passes::capture_compute::{CaptureCompute, Looks};
+use crate::passes::capture_compute::{CaptureCompute, Far, Looks};
 use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::integrate::{Captured, CapturedBy};
+use crate::passes::slices::Slices;
 use crate::scene::Scene;
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Result};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// Usual aperture of a plane, in degrees: its half width is 2 at distance 1.
@@ -48,13 +51,30 @@ pub enum CaptureMode {
     /// The hemisphere's projection in compute where that fits, by the texels' directions: sides of triangles are as they are,
     /// and none are cut.
     ComputeHemisphere,
+    /// Hemicubes in compute, of what is near; what is far is seen as slices of voxels (Fournier and Péroche 2005).
+    Slices {
+        /// Voxels along the scene's longest side.
+        across: u32,
+        /// How many voxels away triangles are drawn as they are.
+        near: f32,
+    },
 }
+
+/// Usual [`CaptureMode::Slices::across`].
+pub const SLICES: u32 = 32;
+/// Usual [`CaptureMode::Slices::near`].
+pub const SLICES_NEAR: f32 = 8.0;
+
+/// Slices that the scene or the device cannot have.
+#[derive(Debug, thiserror::Error)]
+#[error("--capture slices: {0}; choose --capture auto, or fewer slices (--slices)")]
+pub struct NoSlices(String);
 
 impl CaptureMode {
     /// How directions become texels.
     pub fn projection(self) -> Projection {
         match self {
-            Self::Auto | Self::Hemicube | Self::Compute => Projection::Hemicube,
+            Self::Auto | Self::Hemicube | Self::Compute | Self::Slices { .. } => Projection::Hemicube,
             Self::Plane { aperture, compensated } => {
                 Projection::Plane { half_width: (aperture / 2.0).to_radians().tan(), compensated }
             }
@@ -69,7 +89,23 @@ impl CaptureMode {
             Self::Hemicube => Some("hemicubes by render passes are asked for".into()),
             Self::Plane { .. } => Some("planes are captured by render passes".into()),
             Self::Hemisphere => Some("hemispheres are captured by render passes".into()),
-            _ => CaptureCompute::misfit(device, scene, self.projection(), size),
+            _ => CaptureCompute::misfit(device, scene, self.projection(), size)
+                .or_else(|| Slices::misfit(device, &self.far(scene.bounds().into())?.grid)),
+        }
+    }
+
+    /// What is seen as slices in a scene of these bounds, if something is.
+    pub fn far(self, bounds: [Vec3; 2]) -> Option<Far> {
+        let Self::Slices { across, near } = self else { return None };
+        let grid = Grid::of(bounds, across);
+        Some(Far { grid, near: near * grid.voxel.max_element() })
+    }
+
+    /// Refuses slices that do not fit: nothing else stands for what was asked for.
+    pub fn check(self, device: &Device, scene: &Scene, size: u32) -> std::result::Result<(), NoSlices> {
+        match self.against_compute(device, scene, size) {
+            Some(why) if matches!(self, Self::Slices { .. }) => Err(NoSlices(why)),
+            _ => Ok(()),
         }
     }
 }
@@ -94,7 +130,7 @@ pub struct Captures {
 /// The pass that captures, boxed for their sizes differ.
 enum By {
     Render(Box<Capture>),
-    Compute(Box<CaptureCompute>),
+    Compute(Box<CaptureCompute>, Option<Box<Slices>>),
 }
 
 impl Captures {
@@ -115,7 +151,10 @@ impl Captures {
         let kinds = Kinds { sky: sky.is_some(), planes };
         if in_compute {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
-            let looks = Looks::new(projection, size, lod_error);
+            let far = mode.far(geometry.bounds);
+            let looks = Looks::new(projection, size, lod_error).with_slices(far);
+            let new_slices = |far: Far| Slices::new(device, (geometry, tree), far.grid);
+            let slices = far.map(new_slices).transpose()?;
             let sums = CaptureCompute::sums(device, (geometry, tree), &looks);
             let texels = u64::from(sums.map_or(looks.texels(), |sums| sums.border));
             let by_texels = Gathered::most_viewed(device, kinds) / texels;
@@ -124,10 +163,11 @@ impl Captures {
                 Some(sums) => Gathered::summed(device, capacity, sums, kinds)?,
                 None => Gathered::viewed(device, texels * u64::from(capacity), kinds)?,
             };
-            let capture = CaptureCompute::new(device, (geometry, tree), (&gathered, sky), &looks, capacity, drawn)?;
+            let on = (geometry, tree, slices.as_ref());
+            let capture = CaptureCompute::new(device, on, (&gathered, sky), &looks, capacity, drawn)?;
             let texels = looks.texels();
             return Ok(Self {
-                by: By::Compute(Box::new(capture)),
+                by: By::Compute(Box::new(capture), slices.map(Box::new)),
                 gathered,
                 projection,
                 size,
@@ -156,7 +196,7 @@ impl Captures {
     pub fn frames(&self) -> &Buffer {
         match &self.by {
             By::Render(capture) => &capture.frames,
-            By::Compute(capture) => &capture.frames,
+            By::Compute(capture, _) => &capture.frames,
         }
     }
 
@@ -172,7 +212,7 @@ impl Captures {
     pub fn captured(&self) -> Captured<'_> {
         let by = match &self.by {
             By::Render(capture) => CapturedBy::Render(capture),
-            By::Compute(capture) => CapturedBy::Compute(capture),
+            By::Compute(capture, _) => CapturedBy::Compute(capture),
         };
         Captured { by, gathered: &self.gathered, projection: self.projection, size: self.size }
     }
@@ -180,15 +220,24 @@ impl Captures {
     /// Makes sure that all that was captured so far is whole.
     pub fn check(&self, recorder: &mut Recorder) -> Result<()> {
         match &self.by {
-            By::Compute(capture) => capture.check(recorder),
+            By::Compute(capture, _) => capture.check(recorder),
             By::Render(_) => Ok(()),
         }
+    }
+
+    /// Makes what captures look up, of the surfaces' light as it is by then. Before the first of them.
+    pub fn prepare(&self, recording: &mut Recording<'_>) -> Result<()> {
+        let By::Compute(_, Some(slices)) = &self.by else { return Ok(()) };
+        recording.pass("slices", |c| {
+            slices.record(c);
+            Ok(())
+        })
     }
 
     /// Captures the first `count` frames.
     pub fn record(&self, recording: &mut Recording<'_>, ground: &Ground<'_>, count: u32) -> Result<()> {
         match &self.by {
-            By::Compute(capture) => recording.pass("capture_compute", |c| {
+            By::Compute(capture, _) => recording.pass("capture_compute", |c| {
                 capture.record(c, count);
                 Ok(())
             }),

@@ -194,6 +194,7 @@ impl IrradianceCache {
         let mut stats = CacheStats::default();
         let lattices = lattices();
         recorder.submit(|recording| {
+            self.captures.prepare(recording)?;
             recording.pass("splat", |c| {
                 self.splat.record_clear(c);
                 if let Some(meter) = &self.meter {

@@ -4,7 +4,7 @@
 //! What the cache does with records (placing, splatting) has no part here, so that single records can be held against
 //! closed forms, and so that light can be baked at vertices or lightmap texels.
 
-use super::captures::{CaptureMode, Captures, LIFT, NEAR};
+use super::captures::{CaptureMode, Captures, LIFT, NEAR, NoSlices};
 use super::casters::Casters;
 use super::direct::{DirectLight, Extent, LightSettings, TooManyLights, light_sets};
 use super::{Ground, upload_sky};
@@ -89,6 +89,9 @@ pub enum ProbeError {
     /// The scene's lights.
     #[error(transparent)]
     Lights(#[from] TooManyLights),
+    /// The way to capture.
+    #[error(transparent)]
+    Slices(#[from] NoSlices),
 }
 
 /// What may go wrong, or not.
@@ -116,6 +119,7 @@ impl<'a> Probes<'a> {
         settings: &ProbeSettings,
     ) -> Result<Self> {
         let size = settings.capture_size;
+        settings.capture.check(device, scene, size)?;
         let textures = Textures::new(device, scene)?;
         let in_compute = settings.capture.against_compute(device, scene, size).is_none();
         let geometry = Geometry::new(
@@ -137,6 +141,7 @@ impl<'a> Probes<'a> {
             (sky.as_ref(), settings.gradients.translation),
             None,
         )?;
+        recorder.submit(|recording| captures.prepare(recording))?;
         let capacity = captures.capacity;
         let buffer = |bytes: usize, memory| Buffer::new(device, "records", u64::from(capacity) * bytes as u64, memory);
         let payload_bytes = size_of::<Payload>() * if has_sky { 2 } else { 1 };

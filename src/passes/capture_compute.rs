@@ -8,12 +8,16 @@
 //! to either side, and of two surfaces whose distances differ by less than a 13,000th either may be seen. Alpha
 //! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
 //! or a 64th of the triangle's side.
+//!
+//! With [`super::slices`] only what is near is drawn; what is far is looked up there.
 
 use super::cluster_tree::ClusterTree;
 use super::counter::Counter;
 use super::gathered::{FaceCounts, Gathered, Kinds};
 use super::geometry::Geometry;
+use super::slices::Slices;
 use crate::math::capture::{Edge, Faces, Projection, Table, Texel};
+use crate::math::slices::Grid;
 use crate::scene::Scene;
 use crate::vk::{
     Binding, Buffer, BufferView, Commands, ComputePipeline, DescriptorSet, Device, Error, Memory, PipelineLayout,
@@ -36,6 +40,9 @@ const THREADS: u32 = 64;
 const MOST_STEPS: u32 = 8;
 /// Faces of a hemicube.
 const FACES: u32 = 5;
+/// Middles of slices that an invocation passes, at most, before it is left with too few rounds of loops for all else: three
+/// quarters of those that llvmpipe has.
+const MOST_CROSSINGS: u32 = 3 << 14;
 /// Values of two floats in a surface cell.
 const PAIRS: u64 = 3;
 const TABLES: &str = "capture tables";
@@ -55,6 +62,14 @@ struct Push {
     clusters: u32,
     /// Children of its root.
     root: u32,
+    /// Lowest corner of the slices' grid, voxels in a unit of length, and voxels, along the axes.
+    low: [f32; 3],
+    per_length: [f32; 3],
+    dims: [u32; 3],
+    /// Distance within which all is drawn as it is.
+    near: f32,
+    /// Longest side of a voxel.
+    voxel: f32,
 }
 
 /// How a record looks.
@@ -63,13 +78,29 @@ pub struct Looks {
     lod_error: f32,
     table: Table,
     is_disc: bool,
+    far: Option<Far>,
+}
+
+/// What is far of a record, and seen as slices.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Far {
+    /// Of their voxels.
+    pub grid: Grid,
+    /// Distance within which triangles are drawn.
+    pub near: f32,
 }
 
 impl Looks {
     /// By `projection`, a hemicube or a hemisphere, with `size` texels a side; coarse triangles, where the scene has levels
     /// of detail, are wrong by `lod_error` texels at most.
     pub fn new(projection: Projection, size: u32, lod_error: f32) -> Self {
-        Self { size, lod_error, table: projection.table(size), is_disc: projection == Projection::Hemisphere }
+        let is_disc = projection == Projection::Hemisphere;
+        Self { size, lod_error, table: projection.table(size), is_disc, far: None }
+    }
+
+    /// The same, but what is `far` as slices.
+    pub fn with_slices(self, far: Option<Far>) -> Self {
+        Self { far, ..self }
     }
 
     /// Texels of a record.
@@ -138,14 +169,15 @@ impl CaptureCompute {
         let threads = device.capabilities.subgroup.filter(|_| fits)?;
         let border = Faces::of(&looks.table).border_count;
         let counts = FaceCounts { texels: looks.texels(), border, parts: FACES * threads };
-        by_subgroups(device, threads, on, looks.size).then_some(counts)
+        let crossings = looks.far.map_or(0, |far| far.grid.crossings() * looks.size * looks.size / threads);
+        (crossings <= MOST_CROSSINGS && by_subgroups(device, threads, on, looks.size)).then_some(counts)
     }
 
-    /// Captures up to `capacity` times what `looks` says, of the triangles in `tree`, into `gathered`; `sky` where that keeps
-    /// it. What is drawn, triangles times views by octets, adds to `drawn`.
+    /// Captures up to `capacity` times what `looks` says, of the triangles in `tree` and of `slices` where that wants some, into
+    /// `gathered`; `sky` where that keeps it. What is drawn, triangles times views by octets, adds to `drawn`.
     pub fn new(
         device: &Arc<Device>,
-        (geometry, tree): (&Geometry, &ClusterTree),
+        (geometry, tree, slices): (&Geometry, &ClusterTree, Option<&Slices>),
         (gathered, sky): (&Gathered, Option<&Buffer>),
         looks: &Looks,
         capacity: u32,
@@ -178,12 +210,14 @@ impl CaptureCompute {
             Binding::TexelBuffer(&tree.nodes),
             Binding::Storage(drawn.map_or(&frames, Counter::buffer)),
             Binding::Storage(ended.as_ref().map_or(&frames, Counter::buffer)),
+            Binding::TexelBuffer(slices.map_or(&tree.corners, |slices| &slices.sides)),
         ];
         let of_sums = summed.iter().flat_map(|sums| [&sums.distances, &sums.parts].map(Binding::Storage));
         let bindings: Vec<_> = bindings.into_iter().chain(of_sums).collect();
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
+        let far = looks.far.unwrap_or_default();
         let push = Push {
             sphere: ((geometry.bounds[0] + geometry.bounds[1]) * 0.5).extend(geometry.radius).to_array(),
             // A face is 2 wide at distance 1.
@@ -193,6 +227,11 @@ impl CaptureCompute {
             first_coarse_cell: geometry.cell_count,
             clusters: tree.clusters,
             root: tree.root.unwrap_or(0),
+            low: far.grid.low.to_array(),
+            per_length: far.grid.voxel.recip().to_array(),
+            dims: far.grid.dims.to_array(),
+            near: far.near,
+            voxel: far.grid.voxel.max_element(),
         };
         let kinds = gathered.kinds;
         let flags = [tree.masks.is_some(), kinds.sky, kinds.planes, is_disc, tree.has_levels()].map(u32::from);
@@ -201,7 +240,7 @@ impl CaptureCompute {
             Some(sums) => (sums.part_count / views, spirv!("capture_compute", "subgroup.comp")),
             None => (THREADS, spirv!("capture_compute", "workgroup.comp")),
         };
-        let extras = [drawn.is_some(), ended.is_some()].map(u32::from);
+        let extras = [drawn.is_some(), ended.is_some(), looks.far.is_some()].map(u32::from);
         let constants = Specialisation([size].into_iter().chain(flags).chain([threads]).chain(extras).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
         Ok(Self { pipeline, set, push, frames, views, ended, _viewed: viewed, _table: table, _layout: layout })

@@ -19,6 +19,7 @@ pub mod pixel_light;
 pub mod place_records;
 pub mod resolve;
 pub mod shadow;
+pub mod slices;
 pub mod splat;
 pub mod surface_light;
 pub mod views;

@@ -4,6 +4,7 @@ use super::Settings;
 use super::plan::Plan;
 use crate::methods::casters::CoarseSurface;
 use crate::passes::geometry::{Need, needs};
+use crate::passes::slices::Slices;
 use crate::scene::Scene;
 use crate::vk::Device;
 
@@ -56,6 +57,11 @@ pub enum TooLarge {
 /// Device memory that a frame will take, about, by use: the largest first.
 pub fn memory_needs(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Vec<Need> {
     let mut all = needs(device, scene, &plan.surface_cells, plan.detail(), plan.lights);
+    if let Some(far) = settings.cache.capture.far(scene.bounds().into()).filter(|_| plan.compute) {
+        let allowed = Slices::most_bytes(device);
+        let need = |used_for, bytes| Need { used_for, bytes, largest: bytes, allowed };
+        all.extend(Slices::needs(&far.grid).map(|(used_for, bytes)| need(used_for, bytes)));
+    }
     let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
     let casters = if plan.coarse_casters { CoarseSurface::most_bytes(scene) } else { 0 };

@@ -3,8 +3,10 @@
 use super::Settings;
 use super::camera::eye;
 use crate::math::density::Eye;
+use crate::methods::captures::CaptureMode;
 use crate::methods::casters::FEWEST_TO_SIMPLIFY;
 use crate::methods::emitter_samples::MOST_FACES;
+use crate::methods::irradiance_cache::CacheSettings;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
 use crate::passes::geometry::{CellBudget, cell_count};
@@ -101,7 +103,7 @@ impl Plan {
             plan.part(pass, plan.captures, why);
         }
         if plan.captures {
-            plan.capture_parts(against_compute, facts.opaque, cache.lod_error);
+            plan.capture_parts(against_compute, facts.opaque, cache);
         } else {
             plan.part("capture", false, why);
         }
@@ -164,7 +166,8 @@ impl Plan {
     }
 
     /// How records look at the scene, and what that leaves out.
-    fn capture_parts(&mut self, against_compute: Option<String>, opaque: u32, lod_error: f32) {
+    fn capture_parts(&mut self, against_compute: Option<String>, opaque: u32, cache: &CacheSettings) {
+        let CacheSettings { capture, lod_error, .. } = *cache;
         self.part("capture", against_compute.is_some(), "captures are rasterised in compute");
         let why = against_compute.unwrap_or_default();
         self.part(CAPTURE_COMPUTE, why.is_empty(), why.clone());
@@ -177,6 +180,8 @@ impl Plan {
         };
         let many = opaque >= FEWEST_FOR_LEVELS && lod_error > 0.0;
         self.levels = self.part(LEVELS, self.compute && many, why);
+        let asked = matches!(capture, CaptureMode::Slices { .. });
+        self.part("slices", self.compute && asked, "what is far is not asked for as slices (--capture slices)");
     }
 
     /// What captures in compute draw at a distance; none where captures are not in compute.

@@ -16,6 +16,8 @@ use crate::vk::Device;
 const HEMISPHERE_SIDE: f32 = 0.06;
 /// Shorter sides would make millions of triangles of an empty room.
 const SHORTEST_SIDE: f32 = 0.002;
+/// Most voxels along a side: single precision numbers as many.
+const MOST_SLICES: u32 = 128;
 
 /// Settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -120,6 +122,12 @@ impl Settings {
             && !(10.0..=170.0).contains(&aperture)
         {
             return Err(error("--aperture", aperture, "must be from 10 to 170 degrees: a plane has no more"));
+        }
+        if let CaptureMode::Slices { across, near } = self.cache.capture {
+            range("--slices", across, 4, MOST_SLICES)?;
+            if !(2.0..=1e3).contains(&near) {
+                return Err(error("--slices-near", near, "must be from 2 voxels, for a record lies in one, to 1000"));
+            }
         }
         range("--light-samples", self.lights.area_samples, 1, 1 << 16)?;
         range("--surface-cells", self.surface_cells.unwrap_or(1), 1, 1 << 26)?;

@@ -140,6 +140,8 @@ pub enum CaptureArg {
     Compute,
     /// The hemisphere's projection rasterised in compute
     ComputeHemisphere,
+    /// Hemicubes in compute of what is near, slices of voxels for what is far
+    Slices,
 }
 
 /// `--gradients`
@@ -173,6 +175,7 @@ impl CaptureArg {
             Self::Hemisphere => "hemisphere",
             Self::Compute => "compute",
             Self::ComputeHemisphere => "compute-hemisphere",
+            Self::Slices => "slices",
         }
     }
 }

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use hemicube::image::metrics::{measure, measure_flip};
 use hemicube::image::{Kind, Layer, Picture};
 use hemicube::reference::{Meter, Progressive, Settings as PathSettings, Stop, Tracer, View, process_time, ward};
-use hemicube::renderer::{Rendered, render};
+use hemicube::renderer::{RenderError, Rendered, render};
 use hemicube::report::convergence::{Point, median_and_spread, peak_memory, reset_peak_memory, short};
 use hemicube::scene::{Camera, Scene};
 use hemicube::vk::{Device, Span};
@@ -129,14 +129,19 @@ impl Bench<'_> {
         self.direct = Some(direct);
         let mut last = None;
         let times = self.repeat(|| {
-            let (rendered, mut seconds) = self.frame(&device, &settings)?;
+            let unfit = |error: anyhow::Error| match error.downcast_ref() {
+                Some(RenderError::Slices(_)) => DoesNotFit.into(),
+                _ => error,
+            };
+            let (rendered, mut seconds) = self.frame(&device, &settings).map_err(unfit)?;
             seconds.indirect_cpu = seconds.cpu - direct.cpu;
             seconds.indirect_wall = seconds.wall - direct.wall;
             last = Some(rendered);
             Ok(seconds)
         })?;
         let Some(rendered) = last else { bail!("no run") };
-        let in_compute = |capture| matches!(capture, CaptureArg::Compute | CaptureArg::ComputeHemisphere);
+        let in_compute =
+            |capture| matches!(capture, CaptureArg::Compute | CaptureArg::ComputeHemisphere | CaptureArg::Slices);
         let wants_compute = matches!(task, Task::Splatting { capture, .. } if in_compute(*capture));
         let ran_compute = rendered.passes.iter().any(|pass| pass.name == "capture_compute");
         if wants_compute && !ran_compute && rendered.cache.records > 0 {

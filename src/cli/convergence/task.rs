@@ -1,7 +1,7 @@
 //! What is measured: methods times settings.
 
 use super::{CaptureArg, ConvergenceArgs, GradientsArg, MethodArg};
-use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
+use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE, SLICES, SLICES_NEAR};
 use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -94,6 +94,7 @@ impl Task {
                 CaptureArg::Hemisphere => CaptureMode::Hemisphere,
                 CaptureArg::Compute => CaptureMode::Compute,
                 CaptureArg::ComputeHemisphere => CaptureMode::ComputeHemisphere,
+                CaptureArg::Slices => CaptureMode::Slices { across: SLICES, near: SLICES_NEAR },
             };
             let both = gradients == GradientsArg::Both;
             settings.cache.gradients = Gradients { rotation: both, translation: both };
