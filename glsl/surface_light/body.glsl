@@ -135,7 +135,8 @@ void main() {
 
     vec3 front = vec3(0.0), back = vec3(0.0);
     uint samples = push.light_count * push.points, taken = 0, absent = 0;
-    for (uint start = pcg(cell ^ push.first_light) % push.stride; start < samples; start += 32 * push.stride) {
+    // Neighbours begin at others, so that together they take all pairs.
+    for (uint start = (cell + push.first_light) % push.stride; start < samples; start += 32 * push.stride) {
         // Of up to 32 pairs of light sample and point: which are lit, which too close to an edge to tell so quickly.
         uint lit = 0, close = 0, end = min(32, (samples - start + push.stride - 1) / push.stride);
         taken += end;

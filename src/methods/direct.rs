@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Bytes of shadow tiles, depth and identity, that are held at once.
 const SHADOW_BUDGET: u64 = 128 << 20;
 /// Fewest points of a cell that a light is evaluated at, over all its samples.
-const POINTS_IN_CELL: u32 = 16;
+const POINTS_IN_CELL: u32 = 8;
 
 /// Passes for one set of lights.
 pub struct DirectLight<'a> {

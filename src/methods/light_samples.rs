@@ -16,6 +16,9 @@ use glam::Vec3;
 /// Most punctual lights that are rendered: each costs shadow views and a lookup at every pixel and surface cell.
 pub const MAX_LIGHTS: usize = 4096;
 
+/// Of how many samples of emissive triangles a surface cell takes one.
+const EMITTER_STRIDE: u32 = 2;
+
 /// The scene has more lights than are rendered.
 #[derive(Debug, thiserror::Error)]
 #[error(
@@ -55,6 +58,7 @@ pub fn light_sets(
         add_punctual(light, extent, &mut sets);
     }
     add_emitters(scene, extent, settings.area_samples, &mut sets[4]);
+    sets[4].stride = EMITTER_STRIDE.min(sets[4].samples.len().max(1) as u32);
     if sky {
         sets[5].cells_only = true;
         add_sky(&scene.background, extent, settings.sky_samples, &mut sets[5]);

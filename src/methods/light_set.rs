@@ -25,7 +25,7 @@ pub struct LightSet {
     pub faces: Vec<Face>,
     /// Lights the surface cells only.
     pub cells_only: bool,
-    /// Of how many samples a surface cell takes one.
+    /// Of how many samples a surface cell takes one, others than its neighbours do.
     pub stride: u32,
 }
 
