@@ -74,8 +74,8 @@ pub type OnProgress<'a> = &'a mut dyn FnMut(&'static str, u64, u64);
 
 /// Renders `scene` from `camera`.
 ///
-/// Where the device ends the loops of captures in compute that nobody asked for, render passes capture, and the plan and a
-/// warning say so.
+/// Where the device ends the loops of captures in compute, whole workgroups share each view; where that is not enough, and
+/// nobody asked for compute, render passes capture. A warning says so, and the plan.
 pub fn render(
     device: &Arc<Device>,
     scene: &Scene,
@@ -83,23 +83,43 @@ pub fn render(
     settings: &Settings,
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
-    let mut clock = Clock::new();
-    match render_as_set(device, scene, camera, settings, &mut clock, on_progress) {
-        Err(RenderError::Vulkan(VulkanError::LoopsEnded)) if settings.cache.capture == CaptureMode::Auto => {
-            clock.lap("captures in compute, given up");
-            let mut settings = settings.clone();
-            settings.cache.capture = CaptureMode::Hemicube;
-            let mut rendered = render_as_set(device, scene, camera, &settings, &mut clock, on_progress)?;
-            rendered.plan = rendered.plan.of_ended_loops();
-            rendered.warnings.push(LOOPS_ENDED.into());
-            Ok(rendered)
+    let (mut clock, mut settings, mut instead) = (Clock::new(), settings.clone(), None);
+    loop {
+        match render_as_set(device, scene, camera, &settings, &mut clock, on_progress) {
+            Err(RenderError::Vulkan(VulkanError::LoopsEnded { shared: false })) => {
+                instead = Some(Instead::Workgroups);
+                settings.cache.share_views = true;
+            }
+            Err(RenderError::Vulkan(VulkanError::LoopsEnded { .. })) if settings.cache.capture == CaptureMode::Auto => {
+                instead = Some(Instead::RenderPasses);
+                settings.cache.capture = CaptureMode::Hemicube;
+            }
+            rendered => return rendered.map(|rendered| rendered.drawn(instead)),
         }
-        rendered => rendered,
+        clock.lap("captures in compute, given up");
     }
 }
 
-const LOOPS_ENDED: &str = "the device ended the loops of captures in compute before all was drawn, and render passes drew the \
-                           frame anew; --capture hemicube takes them at once";
+/// What drew a frame after the device had ended the loops of captures in compute.
+enum Instead {
+    Workgroups,
+    RenderPasses,
+}
+
+impl Rendered {
+    fn drawn(mut self, instead: Option<Instead>) -> Self {
+        let by = match instead {
+            None => return self,
+            Some(Instead::Workgroups) => "whole workgroups drew the frame anew",
+            Some(Instead::RenderPasses) => {
+                self.plan = self.plan.of_ended_loops();
+                "render passes drew the frame anew; --capture hemicube takes them at once"
+            }
+        };
+        self.warnings.push(format!("the device ended the loops of captures in compute before all was drawn, and {by}"));
+        self
+    }
+}
 
 fn render_as_set(
     device: &Arc<Device>,

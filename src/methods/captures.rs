@@ -110,6 +110,19 @@ impl CaptureMode {
     }
 }
 
+/// How captures look.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// How they see.
+    pub mode: CaptureMode,
+    /// Texels a side.
+    pub size: u32,
+    /// Most that coarse triangles in compute may be wrong by, in texels.
+    pub lod_error: f32,
+    /// Whether whole workgroups share each view in compute.
+    pub shared: bool,
+}
+
 /// The captures of a batch of records.
 pub struct Captures {
     by: By,
@@ -134,17 +147,17 @@ enum By {
 }
 
 impl Captures {
-    /// Builds captures of `size` texels a side; `in_compute` as the plan says, where coarse triangles are wrong by
-    /// `lod_error` texels at most. They see the `sky`, if there is one, and keep `planes` for the translation gradient. What they
+    /// Builds captures that look as said; `in_compute` as the plan says. They see the `sky`, if there is one, and keep `planes` for the translation gradient. What they
     /// draw after culling adds to `drawn`, in triangles times views.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
         in_compute: bool,
-        (mode, size, lod_error): (CaptureMode, u32, f32),
+        look: Look,
         (sky, planes): (Option<&Buffer>, bool),
         drawn: Option<&Counter>,
     ) -> Result<Self> {
+        let Look { mode, size, lod_error, shared } = look;
         let (geometry, projection) = (ground.geometry, mode.projection());
         let views = views(projection);
         let capacity = batch_size(size, views);
@@ -152,7 +165,7 @@ impl Captures {
         if in_compute {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
             let far = mode.far(geometry.bounds);
-            let looks = Looks::new(projection, size, lod_error).with_slices(far);
+            let looks = Looks::new(projection, size, lod_error).with_slices(far).shared_by_workgroups(shared);
             let new_slices = |far: Far| Slices::new(device, (geometry, tree), far.grid);
             let slices = far.map(new_slices).transpose()?;
             let sums = CaptureCompute::sums(device, (geometry, tree), &looks);

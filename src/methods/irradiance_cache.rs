@@ -2,7 +2,7 @@
 //! fine, until every visible pixel is covered.
 
 use super::Ground;
-use super::captures::{CaptureMode, Captures};
+use super::captures::{CaptureMode, Captures, Look};
 use super::work::{Meter, Work};
 use crate::math::capture::Projection;
 use crate::passes::clamp_records::{ClampRecords, Reach};
@@ -34,6 +34,8 @@ pub struct CacheSettings {
     pub capture_size: u32,
     /// Most that coarse triangles may be wrong by in captures in compute, in texels; 0: all triangles are drawn.
     pub lod_error: f32,
+    /// Whether whole workgroups share each view in compute, though one subgroup could draw it: some devices end one's loops.
+    pub share_views: bool,
     /// Gradients to extrapolate with.
     pub gradients: Gradients,
     /// What R is.
@@ -62,6 +64,12 @@ pub struct CacheSettings {
 }
 
 impl CacheSettings {
+    /// How captures look.
+    pub fn look(&self) -> Look {
+        let Self { capture, capture_size, lod_error, share_views, .. } = *self;
+        Look { mode: capture, size: capture_size, lod_error, shared: share_views }
+    }
+
     /// The contrast from which records of captures of this size can be told to disagree: c · max(1, [`CONTRAST_SIZE`]/N) with N
     /// texels a side.
     ///
@@ -146,7 +154,7 @@ impl IrradianceCache {
             device,
             ground,
             in_compute,
-            (settings.capture, settings.capture_size, settings.lod_error),
+            settings.look(),
             (sky, settings.gradients.translation),
             meter.as_ref().map(|meter| &meter.drawn),
         )?;

@@ -46,6 +46,7 @@ const MOST_CROSSINGS: u32 = 3 << 14;
 /// Values of two floats in a surface cell.
 const PAIRS: u64 = 3;
 const TABLES: &str = "capture tables";
+
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Push {
@@ -78,6 +79,7 @@ pub struct Looks {
     lod_error: f32,
     table: Table,
     is_disc: bool,
+    shared: bool,
     far: Option<Far>,
 }
 
@@ -95,7 +97,12 @@ impl Looks {
     /// of detail, are wrong by `lod_error` texels at most.
     pub fn new(projection: Projection, size: u32, lod_error: f32) -> Self {
         let is_disc = projection == Projection::Hemisphere;
-        Self { size, lod_error, table: projection.table(size), is_disc, far: None }
+        Self { size, lod_error, table: projection.table(size), is_disc, shared: false, far: None }
+    }
+
+    /// The same, each view `shared` by a whole workgroup where one subgroup could draw it: no device ends its loops so soon.
+    pub fn shared_by_workgroups(self, shared: bool) -> Self {
+        Self { shared, ..self }
     }
 
     /// The same, but what is `far` as slices.
@@ -138,6 +145,8 @@ pub struct CaptureCompute {
     /// Frames to look from.
     pub frames: Buffer,
     views: u32,
+    /// Whether whole workgroups share each view.
+    shared: bool,
     /// Not 0 once the device has ended loops; none where it does not.
     ended: Option<Counter>,
     _viewed: Option<BufferView>,
@@ -165,7 +174,7 @@ impl CaptureCompute {
     /// What is summed face by face, where that is done: by subgroups.
     pub fn sums(device: &Device, on: (&Geometry, &ClusterTree), looks: &Looks) -> Option<FaceCounts> {
         let most = device.capabilities.limits.max_texel_buffer_elements;
-        let fits = !looks.is_disc && u64::from(on.0.cell_count) * PAIRS <= u64::from(most);
+        let fits = !looks.is_disc && !looks.shared && u64::from(on.0.cell_count) * PAIRS <= u64::from(most);
         let threads = device.capabilities.subgroup.filter(|_| fits)?;
         let border = Faces::of(&looks.table).border_count;
         let counts = FaceCounts { texels: looks.texels(), border, parts: FACES * threads };
@@ -243,7 +252,18 @@ impl CaptureCompute {
         let extras = [drawn.is_some(), ended.is_some(), looks.far.is_some()].map(u32::from);
         let constants = Specialisation([size].into_iter().chain(flags).chain([threads]).chain(extras).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
-        Ok(Self { pipeline, set, push, frames, views, ended, _viewed: viewed, _table: table, _layout: layout })
+        Ok(Self {
+            pipeline,
+            set,
+            push,
+            frames,
+            views,
+            shared: summed.is_none(),
+            ended,
+            _viewed: viewed,
+            _table: table,
+            _layout: layout,
+        })
     }
 
     /// Captures the first `count` frames.
@@ -262,7 +282,7 @@ impl CaptureCompute {
                 Ok(())
             })
         })?;
-        if ended.read() == 0 { Ok(()) } else { Err(Error::LoopsEnded) }
+        if ended.read() == 0 { Ok(()) } else { Err(Error::LoopsEnded { shared: self.shared }) }
     }
 }
 

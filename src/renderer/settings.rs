@@ -56,6 +56,7 @@ impl Default for Settings {
                 capture: CaptureMode::Auto,
                 capture_size: 32,
                 lod_error: 0.02,
+                share_views: false,
                 gradients: Gradients { rotation: true, translation: true },
                 radius: Radius::Hessian,
                 min_radius: 0.006,

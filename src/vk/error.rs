@@ -50,7 +50,10 @@ pub enum Error {
         "the device ends loops of captures in compute before all that they see is drawn (llvmpipe: after 65,535 rounds a view); \
          render passes draw it: --capture hemicube"
     )]
-    LoopsEnded,
+    LoopsEnded {
+        /// Whether whole workgroups shared each view already.
+        shared: bool,
+    },
     /// The memory allocator failed.
     #[error("allocating {name} ({bytes} bytes) on the device failed: {reason}")]
     Allocation {
