@@ -9,7 +9,7 @@ use common::{check_complete, draw, gpu, small};
 use glam::{Mat3, Vec3, vec3};
 use hemicube::image::metrics::measure as measure_image;
 use hemicube::methods::Ground;
-use hemicube::methods::captures::{CaptureMode, Captures};
+use hemicube::methods::captures::{CaptureMode, Captures, Look};
 use hemicube::methods::probes::{Place, Probe, ProbeError, ProbeSettings, Probes};
 use hemicube::passes::geometry::{CellBudget, Detail, Geometry};
 use hemicube::passes::integrate::{Gradients, Integrate, Limits, Radius};
@@ -37,7 +37,8 @@ fn furnace(device: &Arc<Device>, scene: &Scene, mode: CaptureMode, places: &[[Ve
     let geometry = Geometry::new(device, scene, &CellBudget::even(1 << 12), Some(Detail::Exact)).unwrap();
     geometry.cell_radiance.upload(&vec![1.0f32; 6 * geometry.cell_count as usize]).unwrap();
     let ground = Ground { scene, geometry: &geometry, textures: None };
-    let captures = Captures::new(device, &ground, true, (mode, SIZE, 0.0), (None, true), None).unwrap();
+    let look = Look { mode, size: SIZE, lod_error: 0.0, shared: false };
+    let captures = Captures::new(device, &ground, true, look, (None, true), None).unwrap();
     let count = places.len();
     let new = |bytes: usize, memory| Buffer::new(device, "records", (count * bytes) as u64, memory).unwrap();
     let records = new(size_of::<Record>(), Memory::Device);
