@@ -111,7 +111,7 @@ fn what_is_closed_is_dark_inside_by_coarse_casters() {
     let scene = tessellated(&b.build(), 1);
     for (x, side) in [(-2.0, "ball"), (2.0, "box")] {
         let camera = look(dvec3(x, 0.3, 1.2), dvec3(x + 0.2, -0.2, 0.0), 90.0);
-        let rendered = draw(&scene, &camera, &settings(0.02));
+        let rendered = draw(&scene, &camera, &settings(Settings::default().cache.lod_error));
         assert!(rendered.plan.coarse_casters, "{:?}", rendered.plan.left_out);
         let layer = rendered.picture.layer("irradiance").unwrap();
         let most = layer.channels.iter().flat_map(|c| c.iter()).fold(0.0f32, |most, e| most.max(*e)) / SKY;

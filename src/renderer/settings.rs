@@ -55,7 +55,7 @@ impl Default for Settings {
                 accuracy: 0.3,
                 capture: CaptureMode::Auto,
                 capture_size: 32,
-                lod_error: 0.02,
+                lod_error: 0.03,
                 share_views: false,
                 gradients: Gradients { rotation: true, translation: true },
                 radius: Radius::Hessian,
