@@ -6,30 +6,17 @@ mod common;
 
 use common::build::{Builder, diffuse};
 use common::gpu;
+use common::probes::{measure_on, settings};
 use glam::{Vec3, vec3};
 use hemicube::math::form_factor;
 use hemicube::methods::captures::CaptureMode;
-use hemicube::methods::probes::{Place, Probe, ProbeSettings, Probes};
-use hemicube::passes::integrate::Gradients;
-use hemicube::renderer::Settings;
+use hemicube::methods::probes::{Place, Probe, ProbeSettings};
 use hemicube::scene::{Background, Light, Scene};
-use hemicube::vk::pass::Recorder;
 
 fn measure(scene: &Scene, capture: CaptureMode, places: &[Place]) -> Vec<Probe> {
     let device = gpu();
-    let before = device.instance.validation_messages();
-    let settings = ProbeSettings {
-        capture,
-        capture_size: 64,
-        gradients: Gradients { rotation: true, translation: true },
-        lights: Settings::default().lights,
-        surface_cells: 1 << 16,
-    };
-    let mut recorder = Recorder::new(&device);
-    let probes = Probes::new(&device, &mut recorder, scene, &settings).unwrap();
-    let measured = probes.measure(&mut recorder, places, |_| {}).unwrap();
-    assert_eq!(device.instance.validation_messages() - before, 0, "validation messages; they are printed above");
-    measured
+    let settings = ProbeSettings { surface_cells: 1 << 16, ..settings(capture, 64) };
+    measure_on(&device, scene, &settings, places)
 }
 
 fn on_the_floor(position: Vec3, turn: f32) -> Place {

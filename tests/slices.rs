@@ -5,15 +5,16 @@
 mod common;
 
 use common::build::{Builder, Facing, diffuse, tessellated};
+use common::probes::{self, measure_on, turned};
 use common::{check_complete, draw, gpu, small};
 use glam::{Mat3, Vec3, vec3};
 use hemicube::image::metrics::measure as measure_image;
 use hemicube::methods::Ground;
-use hemicube::methods::captures::{CaptureMode, Captures, Look};
-use hemicube::methods::probes::{Place, Probe, ProbeError, ProbeSettings, Probes};
+use hemicube::methods::captures::{CaptureMode, CaptureSettings, Captures};
+use hemicube::methods::probes::{ProbeError, ProbeSettings, Probes};
 use hemicube::passes::geometry::{CellBudget, Detail, Geometry};
 use hemicube::passes::integrate::{Gradients, Integrate, Limits, Radius};
-use hemicube::renderer::{RenderError, Settings, render};
+use hemicube::renderer::{RenderError, render};
 use hemicube::scene::{Background, Camera, EnvironmentMap, Light, Material, Scene, SideLimit, TextureRef, cornell};
 use hemicube::vk::gpu_types::{Frame, Payload, Record};
 use hemicube::vk::pass::Recorder;
@@ -37,8 +38,8 @@ fn furnace(device: &Arc<Device>, scene: &Scene, mode: CaptureMode, places: &[[Ve
     let geometry = Geometry::new(device, scene, &CellBudget::even(1 << 12), Some(Detail::Exact)).unwrap();
     geometry.cell_radiance.upload(&vec![1.0f32; 6 * geometry.cell_count as usize]).unwrap();
     let ground = Ground { scene, geometry: &geometry, textures: None };
-    let look = Look { mode, size: SIZE, lod_error: 0.0, shared: false };
-    let captures = Captures::new(device, &ground, true, look, (None, true), None).unwrap();
+    let settings = CaptureSettings { mode, size: SIZE, lod_error: 0.0, shared: false };
+    let captures = Captures::new(device, &ground, true, settings, (None, true), None).unwrap();
     let count = places.len();
     let new = |bytes: usize, memory| Buffer::new(device, "records", (count * bytes) as u64, memory).unwrap();
     let records = new(size_of::<Record>(), Memory::Device);
@@ -140,23 +141,6 @@ fn what_is_oblique_leaks_a_seventh_at_most() {
     }
 }
 
-fn measure_on(device: &Arc<Device>, scene: &Scene, capture: CaptureMode, places: &[Place]) -> Vec<Probe> {
-    let before = device.instance.validation_messages();
-    let lights = Settings::default().lights;
-    let settings = ProbeSettings { capture, capture_size: SIZE, gradients: GRADIENTS, lights, surface_cells: 1 << 15 };
-    let mut recorder = Recorder::new(device);
-    let probes = Probes::new(device, &mut recorder, scene, &settings).unwrap();
-    let measured = probes.measure(&mut recorder, places, |_| {}).unwrap();
-    assert_eq!(device.instance.validation_messages() - before, 0, "validation messages; they are printed above");
-    measured
-}
-
-/// Places at one point of a floor, turned evenly.
-fn turned(position: Vec3, count: u32) -> Vec<Place> {
-    let turn = |i: u32| i as f32 * 2.399_963; // the golden angle
-    (0..count).map(|i| Place { position, normal: Vec3::Y, geometric: Vec3::Y, turn: turn(i) }).collect()
-}
-
 fn frame_of(scene: &Scene, camera: &Camera, capture: CaptureMode) -> hemicube::renderer::Rendered {
     let mut settings = small(SIDE);
     settings.cache.capture = capture;
@@ -218,8 +202,10 @@ fn sides_of_a_thin_wall_are_told_apart() {
     b.light(Light::Directional { direction: vec3(-1.0, -1e-3, 0.0).normalize(), irradiance: Vec3::splat(1e3) });
     let scene = tessellated(&b.build(), 5);
     let device = gpu();
-    let [dark, lit] = [-2.6, 2.6].map(|x| measure_on(&device, &scene, slices(32, 8.0), &turned(vec3(x, 0.0, 0.3), 4)));
-    let exact = measure_on(&device, &scene, CaptureMode::Compute, &turned(vec3(2.6, 0.0, 0.3), 4));
+    let [dark, lit] = [-2.6, 2.6]
+        .map(|x| measure_on(&device, &scene, &probes::settings(slices(32, 8.0), SIZE), &turned(vec3(x, 0.0, 0.3), 4)));
+    let exact =
+        measure_on(&device, &scene, &probes::settings(CaptureMode::Compute, SIZE), &turned(vec3(2.6, 0.0, 0.3), 4));
     for ((dark, lit), exact) in dark.iter().zip(&lit).zip(&exact) {
         let [dark, lit, exact] = [dark, lit, exact].map(|p| p.reflected.value.y);
         eprintln!("dark side {dark:.1e}, lit side {lit:.3}, drawn {exact:.3}");
@@ -249,7 +235,7 @@ fn the_sky_is_seen_beside_voxels_and_through_them() {
     let device = gpu();
     let places = turned(vec3(0.1, 0.0, -0.2), 16);
     let sky = |scene: &Scene, capture| {
-        let probes = measure_on(&device, scene, capture, &places);
+        let probes = measure_on(&device, scene, &probes::settings(capture, SIZE), &places);
         probes.iter().map(|p| p.sky.unwrap().value.y).sum::<f32>() / (16.0 * PI)
     };
     let [open, closed, holes] = [Some(false), Some(true), None].map(canopy);
@@ -276,7 +262,8 @@ fn workgroups_see_the_slices_that_subgroups_do() {
     let mut device = device();
     Arc::get_mut(&mut device).unwrap().capabilities.subgroup = None;
     let places = turned(vec3(-1.0, 0.0, 0.2), 4);
-    let [usual, whole] = [&*gpu(), &device].map(|device| measure_on(device, &scene, slices(32, 6.0), &places));
+    let [usual, whole] =
+        [&*gpu(), &device].map(|device| measure_on(device, &scene, &probes::settings(slices(32, 6.0), SIZE), &places));
     for (a, b) in usual.iter().zip(&whole) {
         assert!((a.inverse_distance / b.inverse_distance - 1.0).abs() < 1e-4);
         for (a, b) in [(a.reflected, b.reflected), (a.sky.unwrap(), b.sky.unwrap())] {
@@ -333,9 +320,8 @@ fn slices_that_do_not_fit_are_refused() {
         let (by_device, text) = refused(across, near);
         assert!(!by_device && text.contains(name), "{text}");
     }
-    let lights = Settings::default().lights;
     let capture = slices(64, 8.0);
-    let settings = ProbeSettings { capture, capture_size: SIZE, gradients: GRADIENTS, lights, surface_cells: 1 << 10 };
+    let settings = ProbeSettings { surface_cells: 1 << 10, ..probes::settings(capture, SIZE) };
     let probes = Probes::new(&device, &mut Recorder::new(&device), &scene, &settings);
     assert!(matches!(probes.err(), Some(ProbeError::Slices(_))));
 }

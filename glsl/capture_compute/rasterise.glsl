@@ -2,8 +2,6 @@
 
 struct Texels { ivec2 low, high; };  // both ends included
 
-const float NEAREST = 1.0 / float(1 << 18);  // relative to the scene's radius
-
 const Texels NO_TEXELS = Texels(ivec2(0), ivec2(-1));
 
 bool is_empty(Texels texels) { return any(greaterThan(texels.low, texels.high)); }
@@ -42,6 +40,8 @@ bool sees_on_disc(vec3 middle, vec3 extent) {
     most = mix(most, vec2(1.0), greaterThan(centre, vec2(cosine)));
     return !(sine < 1.0) || (middle.z + extent.z > 0.0 && !is_empty(texels_within(0, least, most)));
 }
+
+const float NEAREST = 1.0 / float(1 << 18);  // relative to the scene's radius
 
 // All that may be seen from a point, but from within the scene no nearer than what records are lifted by.
 Depths depths_from(vec3 eye) {

@@ -103,16 +103,14 @@ impl CaptureMode {
 
     /// Refuses slices that do not fit: nothing else stands for what was asked for.
     pub fn check(self, device: &Device, scene: &Scene, size: u32) -> std::result::Result<(), NoSlices> {
-        match self.against_compute(device, scene, size) {
-            Some(why) if matches!(self, Self::Slices { .. }) => Err(NoSlices(why)),
-            _ => Ok(()),
-        }
+        let Self::Slices { .. } = self else { return Ok(()) };
+        self.against_compute(device, scene, size).map_or(Ok(()), |why| Err(NoSlices(why)))
     }
 }
 
-/// How captures look.
+/// How captures are made.
 #[derive(Clone, Copy, Debug)]
-pub struct Look {
+pub struct CaptureSettings {
     /// How they see.
     pub mode: CaptureMode,
     /// Texels a side.
@@ -147,17 +145,17 @@ enum By {
 }
 
 impl Captures {
-    /// Builds captures that look as said; `in_compute` as the plan says. They see the `sky`, if there is one, and keep `planes` for the translation gradient. What they
-    /// draw after culling adds to `drawn`, in triangles times views.
+    /// Builds captures; `in_compute` as the plan says. They see the `sky`, if there is one, and keep `planes` for the translation
+    /// gradient. What they draw after culling adds to `drawn`, in triangles times views.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
         in_compute: bool,
-        look: Look,
+        settings: CaptureSettings,
         (sky, planes): (Option<&Buffer>, bool),
         drawn: Option<&Counter>,
     ) -> Result<Self> {
-        let Look { mode, size, lod_error, shared } = look;
+        let CaptureSettings { mode, size, lod_error, shared } = settings;
         let (geometry, projection) = (ground.geometry, mode.projection());
         let views = views(projection);
         let capacity = batch_size(size, views);

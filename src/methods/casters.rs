@@ -83,11 +83,8 @@ impl CoarseSurface {
 
 fn error(ground: &Ground<'_>) -> f32 {
     let Ground { scene, geometry, .. } = ground;
-    let area = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| scene.positions[v as usize]);
-        f64::from((b - a).cross(c - a).length()) * 0.5
-    };
-    let cell = (scene.triangles.iter().map(area).sum::<f64>() / f64::from(geometry.cell_count)).sqrt() as f32;
+    let area: f64 = (0..scene.triangles.len() as u32).map(|t| f64::from(scene.area(t))).sum();
+    let cell = (area / f64::from(geometry.cell_count)).sqrt() as f32;
     let texel = 2.0 * geometry.radius / SKY_SHADOW_SIZE as f32;
     ERROR * cell.min(texel)
 }

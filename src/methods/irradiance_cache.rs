@@ -2,7 +2,7 @@
 //! fine, until every visible pixel is covered.
 
 use super::Ground;
-use super::captures::{CaptureMode, Captures, Look};
+use super::captures::{CaptureMode, CaptureSettings, Captures};
 use super::work::{Meter, Work};
 use crate::math::capture::Projection;
 use crate::passes::clamp_records::{ClampRecords, Reach};
@@ -64,10 +64,10 @@ pub struct CacheSettings {
 }
 
 impl CacheSettings {
-    /// How captures look.
-    pub fn look(&self) -> Look {
+    /// How captures are made.
+    pub fn captures(&self) -> CaptureSettings {
         let Self { capture, capture_size, lod_error, share_views, .. } = *self;
-        Look { mode: capture, size: capture_size, lod_error, shared: share_views }
+        CaptureSettings { mode: capture, size: capture_size, lod_error, shared: share_views }
     }
 
     /// The contrast from which records of captures of this size can be told to disagree: c · max(1, [`CONTRAST_SIZE`]/N) with N
@@ -154,7 +154,7 @@ impl IrradianceCache {
             device,
             ground,
             in_compute,
-            settings.look(),
+            settings.captures(),
             (sky, settings.gradients.translation),
             meter.as_ref().map(|meter| &meter.drawn),
         )?;

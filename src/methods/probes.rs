@@ -4,7 +4,7 @@
 //! What the cache does with records (placing, splatting) has no part here, so that single records can be held against
 //! closed forms, and so that light can be baked at vertices or lightmap texels.
 
-use super::captures::{CaptureMode, Captures, LIFT, Look, NEAR, NoSlices};
+use super::captures::{CaptureMode, CaptureSettings, Captures, LIFT, NEAR, NoSlices};
 use super::casters::Casters;
 use super::direct::{DirectLight, Extent, LightSettings, TooManyLights, light_sets};
 use super::{Ground, upload_sky};
@@ -137,7 +137,7 @@ impl<'a> Probes<'a> {
             device,
             &ground,
             in_compute,
-            Look { mode: settings.capture, size, lod_error: 0.0, shared: false },
+            CaptureSettings { mode: settings.capture, size, lod_error: 0.0, shared: false },
             (sky.as_ref(), settings.gradients.translation),
             None,
         )?;

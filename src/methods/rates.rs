@@ -4,7 +4,7 @@
 //! nothing is hidden or culled. What a real scene needs of a pass, divided by these rates, is the least time it can take.
 
 use super::Ground;
-use super::captures::{CaptureMode, Captures, Look};
+use super::captures::{CaptureMode, CaptureSettings, Captures};
 use crate::math::capture::Projection;
 use crate::passes::capture::{Capture, CaptureDesc, Views};
 use crate::passes::capture_compute::CaptureCompute;
@@ -129,8 +129,8 @@ fn compute_on(device: &Arc<Device>, scene: &Scene, stopwatch: &mut Stopwatch) ->
     let geometry = Geometry::new(device, scene, &CellBudget::even(1), Some(Detail::Exact))?;
     let ground = Ground { scene, geometry: &geometry, textures: None };
     let drawn = Counter::new(device)?;
-    let look = Look { mode: CaptureMode::Compute, size: CAPTURE_SIZE, lod_error: 0.0, shared: false };
-    let captures = Captures::new(device, &ground, true, look, (None, true), Some(&drawn))?;
+    let settings = CaptureSettings { mode: CaptureMode::Compute, size: CAPTURE_SIZE, lod_error: 0.0, shared: false };
+    let captures = Captures::new(device, &ground, true, settings, (None, true), Some(&drawn))?;
     let count = captures.capacity.min(CAPTURES_IN_COMPUTE);
     captures.frames().upload(&vec![upwards(); count as usize])?;
     let seconds = stopwatch.seconds(|recording| {

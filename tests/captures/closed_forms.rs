@@ -1,8 +1,9 @@
 //! Every kind of capture against closed forms.
 
-use super::{BARE_PLANE, PLANE, WHOLE, mean, measure, turned};
+use super::{BARE_PLANE, PLANE, WHOLE, mean, measure};
 use crate::common::build::{Builder, Facing, diffuse};
 use crate::common::closed_forms::{parallelogram, polygon};
+use crate::common::probes::turned;
 use glam::{DVec3, Vec3, dvec3, vec3};
 use hemicube::math::capture::seen_by_plane;
 use hemicube::math::form_factor;

@@ -1,8 +1,9 @@
 //! Alpha masks, by render passes and as bits in compute.
 
-use super::{WHOLE, mean, measure, turned};
+use super::{WHOLE, mean, measure};
 use crate::common::build::{Builder, diffuse};
 use crate::common::closed_forms::{parallelogram, polygon};
+use crate::common::probes::turned;
 use glam::{DVec3, Mat3, Vec3, dvec3, vec3};
 use hemicube::methods::captures::CaptureMode;
 use hemicube::methods::probes::Probe;

@@ -1,7 +1,8 @@
 //! Captures in compute by whole workgroups and by subgroups.
 
-use super::{measure, measure_on, turned};
+use super::measure;
 use crate::common::build::{Builder, Facing, diffuse};
+use crate::common::probes::{measure_on, settings, turned};
 use glam::{Vec3, vec3, vec4};
 use hemicube::methods::captures::CaptureMode;
 use hemicube::methods::probes::Irradiance;
@@ -30,7 +31,7 @@ fn workgroups_capture_what_subgroups_do() {
     let places = turned(vec3(0.0, -1.0, 0.0), 8);
     for capture in [CaptureMode::Compute, CaptureMode::ComputeHemisphere] {
         let usual = measure(&scene, capture, 32, &places);
-        for (a, b) in usual.iter().zip(measure_on(&device, &scene, capture, 32, &places)) {
+        for (a, b) in usual.iter().zip(measure_on(&device, &scene, &settings(capture, 32), &places)) {
             let (a, b) = (a.reflected.value.y, b.reflected.value.y);
             assert!((a / b - 1.0).abs() < 1e-4, "{capture:?}: {a} {b}");
         }
@@ -60,7 +61,7 @@ fn sums_of_faces_are_those_of_their_texels() {
     let device = by_workgroups();
     for size in [8, 16, 32, 64] {
         let summed = measure(&scene, CaptureMode::Compute, size, &places);
-        let texels = measure_on(&device, &scene, CaptureMode::Compute, size, &places);
+        let texels = measure_on(&device, &scene, &settings(CaptureMode::Compute, size), &places);
         for (a, b) in summed.iter().zip(&texels) {
             assert!((a.inverse_distance / b.inverse_distance - 1.0).abs() < 1e-5);
             for (a, b) in [(a.reflected, b.reflected), (a.sky.unwrap(), b.sky.unwrap())] {

@@ -5,6 +5,7 @@
 
 pub mod closed_forms;
 pub mod gltf;
+pub mod probes;
 pub mod program;
 
 pub use hemicube::scene::build::{self, Builder, look, look_parallel};
