@@ -19,7 +19,7 @@ use crate::methods::direct::{DirectLight, Extent, LightSet, TooManyLights, light
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::methods::{Ground, upload_sky};
 use crate::passes::gbuffer::{GBuffer, Targets};
-use crate::passes::geometry::Geometry;
+use crate::passes::geometry::{Arrangement, Geometry, SurfaceSize};
 use crate::passes::material::Textures;
 use crate::passes::resolve::{Inputs, Plane, Resolve};
 use crate::scene::{Camera, Scene};
@@ -74,8 +74,9 @@ pub type OnProgress<'a> = &'a mut dyn FnMut(&'static str, u64, u64);
 
 /// Renders `scene` from `camera`.
 ///
-/// Where the device ends the loops of captures in compute, whole workgroups share each view; where that is not enough, and
-/// nobody asked for compute, render passes capture. A warning says so, and the plan.
+/// Where the device ends the loops of captures in compute, whole workgroups share each view; where that is not enough, or the
+/// surface turns out too large for compute once it is arranged, and nobody asked for compute, render passes capture. A warning
+/// says so, and the plan.
 pub fn render(
     device: &Arc<Device>,
     scene: &Scene,
@@ -94,32 +95,47 @@ pub fn render(
                 instead = Some(Instead::RenderPasses);
                 settings.cache.capture = CaptureMode::Hemicube;
             }
+            Err(RenderError::Memory(error)) if settings.cache.capture == CaptureMode::Auto => {
+                instead = Some(Instead::TooLarge(error));
+                settings.cache.capture = CaptureMode::Hemicube;
+            }
             rendered => return rendered.map(|rendered| rendered.drawn(instead)),
         }
         clock.lap("captures in compute, given up");
     }
 }
 
-/// What drew a frame after the device had ended the loops of captures in compute.
+/// What drew a frame that was planned otherwise.
 enum Instead {
+    /// Whole workgroups, for the device had ended the loops of captures in compute.
     Workgroups,
+    /// Render passes, for that reason.
     RenderPasses,
+    /// Render passes, for captures in compute took too much memory.
+    TooLarge(TooLarge),
 }
 
 impl Rendered {
     fn drawn(mut self, instead: Option<Instead>) -> Self {
-        let by = match instead {
+        let (why, by) = match instead {
             None => return self,
-            Some(Instead::Workgroups) => "whole workgroups drew the frame anew",
+            Some(Instead::Workgroups) => (LOOPS_ENDED.into(), "whole workgroups drew the frame anew"),
             Some(Instead::RenderPasses) => {
-                self.plan = self.plan.of_ended_loops();
-                "render passes drew the frame anew; --capture hemicube takes them at once"
+                (LOOPS_ENDED.into(), "render passes drew the frame anew; --capture hemicube takes them at once")
+            }
+            Some(Instead::TooLarge(ref error)) => {
+                (format!("captures in compute do not fit: {error}"), "render passes drew the frame")
             }
         };
-        self.warnings.push(format!("the device ended the loops of captures in compute before all was drawn, and {by}"));
+        if !matches!(instead, Some(Instead::Workgroups)) {
+            self.plan = self.plan.of_render_passes(&why);
+        }
+        self.warnings.push(format!("{why}, and {by}"));
         self
     }
 }
+
+const LOOPS_ENDED: &str = "the device ended the loops of captures in compute before all was drawn";
 
 fn render_as_set(
     device: &Arc<Device>,
@@ -140,14 +156,18 @@ fn render_as_set(
     if plan.captures {
         settings.cache.capture.check(device, scene, settings.cache.capture_size)?;
     }
-    memory::check(device, scene, &plan, settings)?;
+    let least = SurfaceSize::least(scene, &plan.surface_cells, plan.detail());
+    memory::check(device, scene, &least, &plan, settings)?;
+    let arrangement = Arrangement::new(scene, &plan.surface_cells, plan.detail());
+    memory::check(device, scene, &arrangement.size(), &plan, settings)?;
+    clock.lap("arrange scene");
     let size = [settings.width, settings.height];
     let view = View::new(scene, camera, size);
 
     // What the scene is made of.
     let textures = Textures::new(device, scene)?;
     let textures = textures.as_ref();
-    let geometry = Geometry::new(device, scene, &plan.surface_cells, plan.detail())?;
+    let geometry = Geometry::of(device, scene, arrangement)?;
     let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
     clock.lap("upload scene");
 

@@ -12,7 +12,7 @@ use hemicube::image::metrics::measure as measure_image;
 use hemicube::methods::Ground;
 use hemicube::methods::captures::{CaptureMode, CaptureSettings, Captures};
 use hemicube::methods::probes::{ProbeError, ProbeSettings, Probes};
-use hemicube::passes::geometry::{CellBudget, Detail, Geometry};
+use hemicube::passes::geometry::{CellBudget, Detail, Geometry, SurfaceSize};
 use hemicube::passes::integrate::{Gradients, Integrate, Limits, Radius};
 use hemicube::renderer::{RenderError, render};
 use hemicube::scene::{Background, Camera, EnvironmentMap, Light, Material, Scene, SideLimit, TextureRef, cornell};
@@ -291,7 +291,8 @@ fn slices_stand_in_the_plan() {
     let rendered = render(&device, &scene, &camera, &settings, &mut |_, _, _| {}).unwrap();
     assert!(rendered.plan.run.contains(&"slices"));
     assert_eq!(rendered.passes.iter().filter(|pass| pass.name == "slices").count(), 1);
-    let needs = hemicube::renderer::memory_needs(&device, &scene, &rendered.plan, &settings);
+    let size = SurfaceSize::about(&scene, &rendered.plan.surface_cells, rendered.plan.detail());
+    let needs = hemicube::renderer::memory_needs(&device, &scene, &size, &rendered.plan, &settings);
     for used_for in ["slices", "slice samples"] {
         let foretold = needs.iter().find(|need| need.used_for == used_for).unwrap().bytes;
         assert_eq!(foretold, rendered.memory.by_use[used_for], "{used_for}");

@@ -5,6 +5,7 @@ use super::say::say;
 use anyhow::Result;
 use clap::Args;
 use hemicube::methods::rates::Rates;
+use hemicube::passes::geometry::SurfaceSize;
 use hemicube::renderer::{Plan, Settings, check_memory, largest_of, memory_needs};
 use hemicube::scene::{Camera, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
@@ -53,10 +54,11 @@ fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
     let device = Instance::new(false).and_then(|instance| Device::new(instance, &DeviceChoice::Best)).ok();
     let plan = Plan::of(scene, camera, &settings, device.as_deref());
     if let Some(device) = &device {
-        let needs = memory_needs(device, scene, &plan, &settings);
+        let size = SurfaceSize::about(scene, &plan.surface_cells, plan.detail());
+        let needs = memory_needs(device, scene, &size, &plan, &settings);
         let bytes: u64 = needs.iter().map(|need| need.bytes).sum();
         say!("memory     about {} MB of {}: {}, …", bytes / 1_000_000, device.physical.name, largest_of(&needs));
-        check_memory(device, scene, &plan, &settings).err().into_iter().for_each(|e| say!("note       {e}"));
+        check_memory(device, scene, &size, &plan, &settings).err().into_iter().for_each(|e| say!("note       {e}"));
     }
     say!("\nruns       {}", plan.run.join(", "));
     for left in &plan.left_out {

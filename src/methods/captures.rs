@@ -5,6 +5,7 @@ use crate::math::capture::Projection;
 use crate::math::slices::Grid;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
 use crate::passes::capture_compute::{CaptureCompute, Far, Looks};
+use crate::passes::cluster_tree::TreeSize;
 use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::integrate::{Captured, CapturedBy};
@@ -90,8 +91,14 @@ impl CaptureMode {
             Self::Plane { .. } => Some("planes are captured by render passes".into()),
             Self::Hemisphere => Some("hemispheres are captured by render passes".into()),
             _ => CaptureCompute::misfit(device, scene, self.projection(), size)
-                .or_else(|| Slices::misfit(device, &self.far(scene.bounds().into())?.grid)),
+                .or_else(|| Slices::misfit(device, &self.far(scene.bounds().into())?.grid))
+                .or_else(|| TreeSize::exact(scene.triangles.len()).misfit(device).filter(|_| !self.wants_compute())),
         }
+    }
+
+    /// Whether it asks for compute whatever the scene's size: then one that the device cannot hold is refused.
+    pub fn wants_compute(self) -> bool {
+        matches!(self, Self::Compute | Self::ComputeHemisphere)
     }
 
     /// What is seen as slices in a scene of these bounds, if something is.

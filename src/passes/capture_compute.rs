@@ -155,10 +155,10 @@ pub struct CaptureCompute {
 }
 
 impl CaptureCompute {
-    /// What keeps captures by `projection` with `size` texels a side in `scene` from fitting, if something does: a face must
-    /// fit into shared memory, tables and corners into buffers, the alpha masks into their budget.
+    /// What keeps captures by `projection` with `size` texels a side in `scene` from fitting, if something does but its tree's
+    /// size ([`super::cluster_tree::TreeSize`]): a face must fit into shared memory, tables into buffers, the alpha masks into
+    /// their budget.
     pub fn misfit(device: &Device, scene: &Scene, projection: Projection, size: u32) -> Option<String> {
-        let triangles = scene.triangles.len();
         let most = device.capabilities.limits.max_compute_shared_memory_size;
         if shared_bytes(size) > most {
             return Some(format!("a face of {size} × {size} texels does not fit into {most} bytes of shared memory"));
@@ -166,9 +166,7 @@ impl CaptureCompute {
         if u64::from(tables(projection, size)) > Gathered::most_viewed(device, Kinds { sky: false, planes: false }) {
             return Some(format!("tables of {size} × {size} texels do not fit into a texel buffer of the device"));
         }
-        let too_many = !ClusterTree::holds(device, triangles);
-        let corners = || format!("the corners of {triangles} triangles do not fit into a texel buffer of the device");
-        too_many.then(corners).or_else(|| scene.too_many_masked())
+        scene.too_many_masked()
     }
 
     /// What is summed face by face, where that is done: by subgroups.

@@ -3,6 +3,7 @@
 
 mod bounds;
 mod nodes;
+mod size;
 mod sort;
 
 use super::geometry::CLUSTER;
@@ -15,6 +16,7 @@ use bounds::Bounds;
 use glam::{Vec3, Vec4};
 use nodes::{Group, Node, nodes_of};
 use rayon::prelude::*;
+pub use size::TreeSize;
 use sort::{Item, sorted};
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,9 +26,6 @@ const CHILDREN: usize = 8;
 /// Error of coarse triangles, at distance 1, that the tree is arranged for: the usual one. With another one captures are as
 /// right, and a little slower.
 const USUAL_ERROR: f32 = 0.02 * 2.0 / 32.0;
-
-/// Texels of the corners' buffer that a triangle takes.
-const CORNERS: u64 = 3;
 
 /// What is drawn at a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,20 +63,20 @@ pub struct Cells<'a> {
     pub density: &'a Density,
 }
 
-impl ClusterTree {
-    /// Whether so many triangles fit into a buffer of the device.
-    pub fn holds(device: &Device, triangles: usize) -> bool {
-        triangles as u64 * CORNERS <= u64::from(device.capabilities.limits.max_texel_buffer_elements)
-    }
+/// The tree before any of it is on the device: what that will take is known.
+pub struct Arranged {
+    root: Option<u32>,
+    octets: Vec<Bounds>,
+    nodes: Vec<Vec4>,
+    corners: Vec<[Vec4; 3]>,
+    masks: Vec<u32>,
+    shown_cell: Option<Vec<u32>>,
+    coarse_triangles: usize,
+}
 
+impl Arranged {
     /// Arranges `triangles` of `scene`, opaque ones first, which `parts` give materials to.
-    pub fn new(
-        device: &Arc<Device>,
-        scene: &Scene,
-        (triangles, parts): (&[[u32; 3]], &[Part]),
-        cells: Cells<'_>,
-        detail: Detail,
-    ) -> Result<Self> {
+    pub fn new(scene: &Scene, (triangles, parts): (&[[u32; 3]], &[Part]), cells: Cells<'_>, detail: Detail) -> Self {
         let opaque = scene.opaque_count();
         let levels = (detail == Detail::Levels).then(|| {
             let (positions, first_cell) = (&scene.positions, &*cells.first);
@@ -96,7 +95,7 @@ impl ClusterTree {
         let Some(levels) = levels else {
             all.first_cell = cells.first;
             let groups = Group::in_order(&all.with_bounds(all.clusters(0..end)));
-            return Self::of(device, &all, &groups, None);
+            return Self::of(all, &groups, None);
         };
         all.corners.extend(&levels.triangles);
         cells.first.extend(&levels.first_cell[1..]);
@@ -105,15 +104,11 @@ impl ClusterTree {
         clusters.par_iter_mut().for_each(|c| all.sort(&mut c.triangles));
         clusters.extend(all.clusters(opaque..end));
         let groups = Group::by_visits(&all.with_bounds(clusters), USUAL_ERROR);
-        Self::of(device, &all, &groups, Some(&levels.shown_cell))
+        let coarse_triangles = levels.triangles.len();
+        Self { coarse_triangles, ..Self::of(all, &groups, Some(levels.shown_cell)) }
     }
 
-    fn of(
-        device: &Arc<Device>,
-        triangles: &Triangles<'_>,
-        groups: &[Group],
-        shown_cell: Option<&Vec<u32>>,
-    ) -> Result<Self> {
+    fn of(triangles: Triangles<'_>, groups: &[Group], shown_cell: Option<Vec<u32>>) -> Self {
         let clusters = || groups.iter().flat_map(|g| &g.clusters);
         let mut corners = Vec::with_capacity(clusters().count() * CLUSTER as usize);
         for (cluster, _) in clusters() {
@@ -123,18 +118,45 @@ impl ClusterTree {
         }
         let octets: Vec<_> = corners.chunks(CHILDREN).map(|c| Bounds::of_corners(c.as_flattened())).collect();
         let nodes = nodes_of(groups);
-        let texels: Vec<Vec4> = nodes.iter().flat_map(|n| n.texels(shown_cell.is_some())).collect();
-        let words = &triangles.opacity.words;
-        let masks = || TexelBuffer::with_data(device, "alpha masks", words);
+        Self {
+            root: nodes.last().map(Node::children),
+            octets,
+            nodes: nodes.iter().flat_map(|n| n.texels(shown_cell.is_some())).collect(),
+            corners,
+            masks: triangles.opacity.words,
+            shown_cell,
+            coarse_triangles: 0,
+        }
+    }
+
+    /// What it will take of the device.
+    pub fn size(&self) -> TreeSize {
+        let Self { root: _, octets, nodes, corners, masks, shown_cell, coarse_triangles } = self;
+        TreeSize {
+            octets: size_of_val(&octets[..]) as u64,
+            nodes: size_of_val(&nodes[..]) as u64,
+            corners: size_of_val(&corners[..]) as u64,
+            masks: size_of_val(&masks[..]) as u64,
+            shown_cells: size_of_val(shown_cell.as_deref().unwrap_or_default()) as u64,
+            coarse_triangles: *coarse_triangles as u64,
+        }
+    }
+}
+
+impl ClusterTree {
+    /// Uploads what was arranged.
+    pub fn new(device: &Arc<Device>, arranged: &Arranged) -> Result<Self> {
+        let Arranged { root, octets, nodes, corners, masks, shown_cell, .. } = arranged;
+        let new_masks = || TexelBuffer::with_data(device, "alpha masks", masks);
         let shown = |cells: &Vec<u32>| Buffer::with_data(device, "coarse cells", cells);
         Ok(Self {
-            root: nodes.last().map(Node::children),
+            root: *root,
             clusters: (corners.len() / CLUSTER as usize) as u32,
-            octets: TexelBuffer::with_data(device, "cluster bounds", &octets)?,
-            nodes: TexelBuffer::with_data(device, "cluster bounds", &texels)?,
-            corners: TexelBuffer::with_data(device, "capture corners", &corners)?,
-            masks: (!words.is_empty()).then(masks).transpose()?,
-            shown_cell: shown_cell.map(shown).transpose()?,
+            octets: TexelBuffer::with_data(device, "cluster bounds", octets)?,
+            nodes: TexelBuffer::with_data(device, "cluster bounds", nodes)?,
+            corners: TexelBuffer::with_data(device, "capture corners", corners)?,
+            masks: (!masks.is_empty()).then(new_masks).transpose()?,
+            shown_cell: shown_cell.as_ref().map(shown).transpose()?,
         })
     }
 

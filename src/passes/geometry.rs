@@ -1,20 +1,22 @@
 //! The scene's geometry on the GPU: vertex streams, triangles in an order made for culling, clusters, surface cells.
 
+mod arrangement;
 mod cells;
 mod needs;
 mod order;
 
+pub use arrangement::Arrangement;
 pub use cells::{CellBudget, count as cell_count};
-pub use needs::{Need, needs};
+pub use needs::{Need, SurfaceSize, needs};
 
+use super::cluster_tree::ClusterTree;
 pub use super::cluster_tree::Detail;
-use super::cluster_tree::{Cells, ClusterTree};
 use crate::math::{adjacency, levels};
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
 use ash::vk;
 use glam::Vec3;
-use order::{Order, as_usize, bounds, clusters};
+use order::bounds;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -23,6 +25,8 @@ pub const CLUSTER: u32 = levels::CLUSTER as u32;
 
 /// Triangles in a row of the image of [`Geometry::linked_triangles`]; `SHADOW_ROW` in `glsl/inc/shadow.glsl`.
 const TRIANGLES_IN_ROW: u32 = 1024;
+
+const UNSHARED: &str = "unshared corners";
 
 /// Triangles that are drawn alike in captures: all opaque ones, or those of one masked material.
 #[derive(Clone, Debug)]
@@ -100,21 +104,14 @@ impl Geometry {
     ///
     /// With `detail`, hemicubes are rasterised in compute, from a tree of clusters.
     pub fn new(device: &Arc<Device>, scene: &Scene, cells: &CellBudget, detail: Option<Detail>) -> Result<Self> {
-        let order = Order::new(scene);
-        let triangles = &order.triangles;
-        let (mut first_cell, cell_triangle, density) = cells::cut(scene, triangles, cells);
-        let spheres: Vec<[f32; 4]> =
-            order.ranges.iter().flat_map(|r| clusters(scene, &triangles[as_usize(&r.triangles)])).collect();
-        let part_cells = order
-            .parts
-            .iter()
-            .map(|p| first_cell[p.first_triangle as usize])
-            .chain(first_cell.last().copied())
-            .collect();
-        let cells = Cells { first: &mut first_cell, density: &density };
-        let new_tree = |detail| ClusterTree::new(device, scene, (triangles, &order.parts), cells, detail);
-        let tree = detail.map(new_tree).transpose()?;
+        Self::of(device, scene, Arrangement::new(scene, cells, detail))
+    }
 
+    /// Uploads `scene`, whose surface was arranged.
+    pub fn of(device: &Arc<Device>, scene: &Scene, arrangement: Arrangement) -> Result<Self> {
+        let Arrangement { order, spheres, first_cell, cell_triangle, part_cells, tree } = arrangement;
+        let tree = tree.map(|tree| ClusterTree::new(device, &tree)).transpose()?;
+        let triangles = &order.triangles;
         let positions: Vec<[f32; 3]> = scene.positions.iter().map(|p| p.to_array()).collect();
         let normals: Vec<u32> = scene.normals.iter().map(|n| oct_encode(*n)).collect();
         let positions_buffer = Buffer::with_data(device, "vertex positions", &positions)?;
@@ -138,10 +135,9 @@ impl Geometry {
         let set = DescriptorSet::new(&set_layout, &bindings)?;
         let unshared = !device.capabilities.primitive_id;
         let corners = || triangles.iter().flatten().map(|v| positions[*v as usize]).collect::<Vec<_>>();
-        let corners = unshared.then(|| Buffer::with_vertices(device, "capture corners", &corners())).transpose()?;
+        let corners = unshared.then(|| Buffer::with_vertices(device, UNSHARED, &corners())).transpose()?;
         let counting = || (0..3 * triangles.len() as u32).collect::<Vec<u32>>();
-        let corner_indices =
-            unshared.then(|| Buffer::with_vertices(device, "capture corners", &counting())).transpose()?;
+        let corner_indices = unshared.then(|| Buffer::with_vertices(device, UNSHARED, &counting())).transpose()?;
         let bounds = bounds(&scene.positions);
         Ok(Self {
             parts: order.parts,

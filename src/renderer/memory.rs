@@ -3,7 +3,7 @@
 use super::Settings;
 use super::plan::Plan;
 use crate::methods::casters::CoarseSurface;
-use crate::passes::geometry::{Need, needs};
+use crate::passes::geometry::{Need, SurfaceSize, needs};
 use crate::passes::slices::Slices;
 use crate::scene::Scene;
 use crate::vk::Device;
@@ -54,9 +54,10 @@ pub enum TooLarge {
     },
 }
 
-/// Device memory that a frame will take, about, by use: the largest first.
-pub fn memory_needs(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Vec<Need> {
-    let mut all = needs(device, scene, &plan.surface_cells, plan.detail(), plan.lights);
+/// Device memory that a frame will take, by use, the largest first: of geometry that was arranged to that `size`, or about
+/// ([`SurfaceSize::about`]).
+pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &Plan, settings: &Settings) -> Vec<Need> {
+    let mut all = needs(device, scene, size, plan.lights);
     if let Some(far) = settings.cache.capture.far(scene.bounds().into()).filter(|_| plan.compute) {
         let allowed = Slices::most_bytes(device);
         let need = |used_for, bytes| Need { used_for, bytes, largest: bytes, allowed };
@@ -82,16 +83,25 @@ fn pixel(plan: &Plan, settings: &Settings) -> u64 {
     36 + 16 * (runs("emission") + u64::from(plan.lights) + sums) + 8 * runs("clamp_records") + 8 * layers
 }
 
-/// Checks that what `plan` makes of `scene` fits.
-pub fn check(device: &Device, scene: &Scene, plan: &Plan, settings: &Settings) -> Result<(), TooLarge> {
-    let needs = memory_needs(device, scene, plan, settings);
+/// Checks that what `plan` makes of `scene` fits, its surface of that `size`.
+pub fn check(
+    device: &Device,
+    scene: &Scene,
+    size: &SurfaceSize,
+    plan: &Plan,
+    settings: &Settings,
+) -> Result<(), TooLarge> {
+    let needs = memory_needs(device, scene, size, plan, settings);
     let triangles = scene.triangles.len();
-    let leave_out = if plan.levels { ", or leave their levels of detail out (--lod-error 0)" } else { "" };
+    let wants_compute = settings.cache.capture.wants_compute();
+    let by_passes = if wants_compute { ", or have render passes capture (--capture hemicube)" } else { "" };
+    let leave_out = if plan.levels { ", or leave their levels of detail out (--lod-error 0)" } else { by_passes };
     let allowed = |need: &Need| need.allowed.min(device.capabilities.max_allocation);
     if let Some(need) = needs.iter().find(|need| need.largest > allowed(need)) {
         let remedy = match need.used_for {
             "surface radiance" | "surface cells" => ", or their surface to fewer cells (--surface-cells)",
             "capture corners" | "cluster bounds" | "coarse cells" => leave_out,
+            "alpha masks" => by_passes,
             _ => "",
         };
         let (used_for, bytes, allowed) = (need.used_for, need.largest, allowed(need));

@@ -137,10 +137,10 @@ impl Plan {
         self
     }
 
-    /// The plan of a frame by render passes that captures in compute were to draw, as one that says so.
-    pub(super) fn of_ended_loops(mut self) -> Self {
+    /// The plan of a frame by render passes that captures in compute were to draw, as one that says why they did not.
+    pub(super) fn of_render_passes(mut self, why: &str) -> Self {
         for left in self.left_out.iter_mut().filter(|left| [CAPTURE_COMPUTE, LEVELS].contains(&left.pass)) {
-            left.why = "the device ended the loops of captures in compute before all was drawn".into();
+            left.why = why.into();
         }
         self
     }

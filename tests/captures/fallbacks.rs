@@ -7,7 +7,7 @@ use glam::{Mat3, Vec3, dvec3, vec3};
 use hemicube::image::metrics::measure as measure_image;
 use hemicube::math::capture::Projection;
 use hemicube::methods::captures::CaptureMode;
-use hemicube::renderer::{RenderError, Rendered, render};
+use hemicube::renderer::{RenderError, Rendered, TooLarge, render};
 use hemicube::scene::{Light, Material, Scene, TextureRef, cornell};
 use hemicube::vk::{self, Device, DeviceChoice, Instance};
 use std::sync::Arc;
@@ -96,22 +96,25 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
     }
     let whole = by(CaptureMode::Hemicube, &many).unwrap();
     assert!(whole.warnings.is_empty());
-    let ended = match by(CaptureMode::Compute, &many) {
-        Err(RenderError::Vulkan(vk::Error::LoopsEnded { shared: true })) => true,
-        // A device that ends no loops.
+    let loops = "ended the loops of captures in compute";
+    let (words, warned) = match by(CaptureMode::Compute, &many) {
+        Err(RenderError::Vulkan(vk::Error::LoopsEnded { shared: true })) => (Some(loops), 1),
+        // A device that holds no tree of them: that is known from the start.
+        Err(RenderError::Memory(TooLarge::One { used_for: "capture corners", .. })) => {
+            (Some("a texel buffer of the"), 0)
+        }
+        // One that ends no loops.
         rendered => {
             assert!(off(&rendered.unwrap(), &whole) < 0.01);
-            false
+            (None, 0)
         }
     };
     let auto = by(CaptureMode::Auto, &many).unwrap();
-    let words = "ended the loops of captures in compute";
-    let why = auto.plan.left_out.iter().find(|left| left.pass == "capture_compute").map(|left| &left.why);
-    assert_eq!(why.is_some_and(|why| why.contains(words)), ended, "{why:?}");
-    assert_eq!(
-        auto.warnings.iter().filter(|warning| warning.contains("render passes drew")).count(),
-        usize::from(ended)
-    );
+    let why = auto.plan.left_out.iter().find(|left| left.pass == "capture_compute").map(|left| left.why.as_str());
+    if gpu().is_cpu() {
+        assert!(why.is_some() == words.is_some() && why.unwrap_or("").contains(words.unwrap_or("")), "{why:?}");
+    }
+    assert_eq!(auto.warnings.iter().filter(|warning| warning.contains("render passes drew")).count(), warned);
     assert!(off(&auto, &whole) < 0.01);
 }
 
