@@ -1,91 +1,28 @@
 //! Irradiance-cache splatting (Gautron, Křivánek, Bouatouch and Pattanaik 2005; S0): records in rounds, from coarse to
 //! fine, until every visible pixel is covered.
 
+mod lattices;
+mod settings;
+
+pub use settings::{CONTRAST_SIZE, CacheSettings};
+
 use super::Ground;
-use super::captures::{CaptureMode, CaptureSettings, Captures};
+use super::captures::Captures;
 use super::work::{Meter, Work};
-use crate::math::capture::Projection;
 use crate::passes::clamp_records::{ClampRecords, Reach};
 use crate::passes::find_uncovered::{FindUncovered, Lattice, Need};
 use crate::passes::gbuffer::Targets;
-use crate::passes::integrate::{Gradients, Integrate, Limits, Radius};
+use crate::passes::integrate::{Integrate, Limits};
 use crate::passes::place_records::{PlaceRecords, Placement};
-use crate::passes::splat::{Outputs, Seen, Splat, View, Weight};
+use crate::passes::splat::{Outputs, Seen, Splat, View};
 use crate::vk::gpu_types::{Payload, Record};
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Memory, Result};
+use lattices::lattices;
 use std::sync::Arc;
 
 /// Smallest radius of a zone of influence in pixels: a record covers its neighbours, whatever the settings.
 const SMALLEST_RADIUS: f32 = 2.0;
-/// Texels a side from which captures tell the usual [`CacheSettings::contrast`] from their own error.
-pub const CONTRAST_SIZE: f32 = 32.0;
-/// First lattice's distance between pixels.
-const COARSEST: u32 = 32;
-
-/// How the cache is built.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CacheSettings {
-    /// Ward's a: zones of influence have the radius a·R.
-    pub accuracy: f32,
-    /// How records look at the scene.
-    pub capture: CaptureMode,
-    /// Texels a side of a capture; of a hemicube's top.
-    pub capture_size: u32,
-    /// Most that coarse triangles may be wrong by in captures in compute, in texels; 0: all triangles are drawn.
-    pub lod_error: f32,
-    /// Whether whole workgroups share each view in compute, though one subgroup could draw it: some devices end one's loops.
-    pub share_views: bool,
-    /// Gradients to extrapolate with.
-    pub gradients: Gradients,
-    /// What R is.
-    pub radius: Radius,
-    /// Smallest radius of a zone of influence as a share of the image's height; never below two pixels.
-    pub min_radius: f32,
-    /// Largest radius as a share of the image's height; never below the smallest.
-    pub max_radius: f32,
-    /// Weight of a record at a point.
-    pub weight: Weight,
-    /// Sum of weights from which a pixel counts as covered.
-    pub covered: f32,
-    /// √(1 − n·n_k) at which a record's weight has fallen to zero.
-    pub normal_limit: f32,
-    /// Points are rejected that something hides from a record, where its capture tells: hemicubes do, to the horizon.
-    pub hidden: bool,
-    /// Zones of new records are clamped by those of their neighbours.
-    pub clamped: bool,
-    /// Relative standard deviation of what the records of a pixel say above which they are too few; 0: never. Coarse captures
-    /// do not tell as little: [`Self::told_contrast`].
-    pub contrast: f32,
-    /// Most records between two looks for pixels that need one; none: all that a lattice needs.
-    pub batch: Option<u32>,
-    /// Seed of the hemicubes' turns.
-    pub seed: u32,
-}
-
-impl CacheSettings {
-    /// How captures are made.
-    pub fn captures(&self) -> CaptureSettings {
-        let Self { capture, capture_size, lod_error, share_views, .. } = *self;
-        CaptureSettings { mode: capture, size: capture_size, lod_error, shared: share_views }
-    }
-
-    /// The contrast from which records of captures of this size can be told to disagree: c · max(1, [`CONTRAST_SIZE`]/N) with N
-    /// texels a side.
-    ///
-    /// A texel counts as a whole for what its centre sees, so that a sum over texels is wrong where a border passes. A border
-    /// passes about N texels, each of which is wrong by a share of its weight, and that falls as 1/N²: together N/N² = 1/N, the
-    /// order that the stability suite finds. Records of coarse captures disagree by that without being too few. Finer ones could
-    /// be asked for less than c, but c is what matters of a disagreement that more records do remove.
-    pub fn told_contrast(&self) -> f32 {
-        self.contrast * (CONTRAST_SIZE / self.capture_size as f32).max(1.0)
-    }
-
-    /// Whether captures tell what is hidden, and are asked to.
-    pub fn rejects_hidden(&self) -> bool {
-        self.hidden && self.capture.projection() == Projection::Hemicube
-    }
-}
 
 /// Where the cache is looked at from, for placing and splatting.
 #[derive(Clone, Copy, Debug)]
@@ -311,46 +248,5 @@ impl IrradianceCache {
             self.splat.record(c, view, count);
             Ok(())
         })
-    }
-}
-
-/// Lattices from coarse to fine: each level adds three between the pixels of those before it, each in four parts of every
-/// second pixel of every second row. One at a time, so that each sees what the others covered: a zone that reaches the next
-/// pixel of its lattice leaves that without a record, as if records were put one by one. Together they hold every pixel exactly
-/// once.
-fn lattices() -> Vec<Lattice> {
-    let mut all = quarters(COARSEST, [COARSEST / 2; 2]);
-    let (mut stride, mut base) = (COARSEST, COARSEST / 2);
-    while stride > 1 {
-        let half = stride / 2;
-        for [dx, dy] in [[half, half], [half, 0], [0, half]] {
-            all.extend(quarters(stride, [(base + dx) % stride, (base + dy) % stride]));
-        }
-        (stride, base) = (half, base % half.max(1));
-    }
-    all
-}
-
-/// Every `spacing`-th pixel of every `spacing`-th row, as four lattices of twice that.
-fn quarters(spacing: u32, [x, y]: [u32; 2]) -> Vec<Lattice> {
-    let quarter = |[dx, dy]: [u32; 2]| Lattice { stride: 2 * spacing, offset: [x + dx * spacing, y + dy * spacing] };
-    [[0, 0], [1, 1], [1, 0], [0, 1]].map(quarter).to_vec()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lattices_hold_every_pixel_once() {
-        let mut seen = vec![0_u32; 96 * 70];
-        for lattice in lattices() {
-            for y in (lattice.offset[1]..70).step_by(lattice.stride as usize) {
-                for x in (lattice.offset[0]..96).step_by(lattice.stride as usize) {
-                    seen[(y * 96 + x) as usize] += 1;
-                }
-            }
-        }
-        assert!(seen.iter().all(|n| *n == 1));
     }
 }

@@ -36,36 +36,8 @@ pub struct ConvergenceArgs {
     /// Timings of a point, of which the median counts; default 3, with --quick 1. A run of a minute is not repeated
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), help_heading = "What is measured")]
     repeats: Option<u32>,
-    /// Ward's a for splatting and ward
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_positive, help_heading = "Settings in place of the usual ones")]
-    pub accuracy: Vec<f64>,
-    /// Texels a side of a record's capture (a hemicube's top)
-    #[arg(long, value_name = "LIST", value_delimiter = ',', help_heading = "Settings in place of the usual ones")]
-    pub capture_size: Vec<u32>,
-    /// How records look at the scene
-    #[arg(
-        long,
-        value_enum,
-        value_name = "LIST",
-        value_delimiter = ',',
-        help_heading = "Settings in place of the usual ones"
-    )]
-    pub capture: Vec<CaptureArg>,
-    /// Gradients of splatted records
-    #[arg(
-        long,
-        value_enum,
-        value_name = "LIST",
-        value_delimiter = ',',
-        help_heading = "Settings in place of the usual ones"
-    )]
-    pub gradients: Vec<GradientsArg>,
-    /// Rays of a record of Ward's cache
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..=1 << 20), help_heading = "Settings in place of the usual ones")]
-    pub rays: Vec<u32>,
-    /// Paths a pixel
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=1 << 20), help_heading = "Settings in place of the usual ones")]
-    pub spp: Vec<u32>,
+    #[command(flatten)]
+    pub lists: Lists,
     /// Truth to measure against; without it the path tracer makes one and keeps it in the folder. Gives the image its size
     #[arg(long, value_name = "FILE.exr", help_heading = "Reference")]
     pub reference: Option<PathBuf>,
@@ -92,6 +64,30 @@ pub struct ConvergenceArgs {
     /// Say nothing but errors
     #[arg(short, long, help_heading = "Messages")]
     pub quiet: bool,
+}
+
+/// Settings, each in a list.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Settings in place of the usual ones")]
+pub struct Lists {
+    /// Ward's a for splatting and ward
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = parse_positive)]
+    pub accuracy: Vec<f64>,
+    /// Texels a side of a record's capture (a hemicube's top)
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub capture_size: Vec<u32>,
+    /// How records look at the scene
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    pub capture: Vec<CaptureArg>,
+    /// Gradients of splatted records
+    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    pub gradients: Vec<GradientsArg>,
+    /// Rays of a record of Ward's cache
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..=1 << 20))]
+    pub rays: Vec<u32>,
+    /// Paths a pixel
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(2..=1 << 20))]
+    pub spp: Vec<u32>,
 }
 
 const HELP: &str = "\

@@ -139,7 +139,7 @@ pub fn tasks(args: &ConvergenceArgs, on_cpu: bool) -> Vec<Task> {
             MethodArg::Ward => ward_tasks(args),
             MethodArg::Path => {
                 let usual: &[u32] = if args.quick { &[4, 16, 64] } else { &[4, 16, 64, 256, 1024] };
-                or(&args.spp, usual).into_iter().map(|spp| Task::Path { spp }).collect()
+                or(&args.lists.spp, usual).into_iter().map(|spp| Task::Path { spp }).collect()
             }
         };
         own.sort_by(|a, b| a.work().total_cmp(&b.work()));
@@ -155,10 +155,14 @@ fn splatting(args: &ConvergenceArgs, on_cpu: bool) -> Vec<Task> {
     let (own, other) =
         if on_cpu { (CaptureArg::Compute, CaptureArg::Hemicube) } else { (CaptureArg::Hemicube, CaptureArg::Compute) };
     let base = (own, 32, GradientsArg::Both);
-    let chosen = !args.capture.is_empty() || !args.capture_size.is_empty() || !args.gradients.is_empty();
+    let chosen =
+        !args.lists.capture.is_empty() || !args.lists.capture_size.is_empty() || !args.lists.gradients.is_empty();
     let variants: Vec<_> = if chosen {
-        let (captures, sizes, gradients) =
-            (or(&args.capture, &[base.0]), or(&args.capture_size, &[base.1]), or(&args.gradients, &[base.2]));
+        let (captures, sizes, gradients) = (
+            or(&args.lists.capture, &[base.0]),
+            or(&args.lists.capture_size, &[base.1]),
+            or(&args.lists.gradients, &[base.2]),
+        );
         let with = |c: CaptureArg| sizes.iter().flat_map(move |&s| [(c, s)]).collect::<Vec<_>>();
         let pairs: Vec<_> = captures.into_iter().flat_map(with).collect();
         pairs.into_iter().flat_map(|(c, s)| gradients.iter().map(move |&g| (c, s, g))).collect()
@@ -171,16 +175,16 @@ fn splatting(args: &ConvergenceArgs, on_cpu: bool) -> Vec<Task> {
     };
     let sweep = |(capture, size, gradients)| {
         let point = move |accuracy| Task::Splatting { accuracy, capture, size, gradients };
-        or(&args.accuracy, usual).into_iter().map(point).collect::<Vec<_>>()
+        or(&args.lists.accuracy, usual).into_iter().map(point).collect::<Vec<_>>()
     };
     variants.into_iter().flat_map(sweep).collect()
 }
 
 fn ward_tasks(args: &ConvergenceArgs) -> Vec<Task> {
     let usual: &[f64] = if args.quick { &[0.5, 0.25] } else { &[0.5, 0.3, 0.2, 0.15] };
-    let rays = or(&args.rays, if args.quick { &[256] } else { &[256, 1024] });
+    let rays = or(&args.lists.rays, if args.quick { &[256] } else { &[256, 1024] });
     let with = |accuracy: f64| rays.iter().map(move |&rays| Task::Ward { accuracy, rays }).collect::<Vec<_>>();
-    or(&args.accuracy, usual).into_iter().flat_map(with).collect()
+    or(&args.lists.accuracy, usual).into_iter().flat_map(with).collect()
 }
 
 fn or<T: Clone>(given: &[T], usual: &[T]) -> Vec<T> {

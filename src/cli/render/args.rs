@@ -1,0 +1,152 @@
+//! The flags of `hemicube render`.
+
+use super::choices::{CaptureArg, CompensationArg, GradientsArg, HiddenArg, NeighboursArg, RadiusArg, WeightArg};
+use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
+use clap::Args;
+use hemicube::image::LayerSet;
+use hemicube::image::tone::ToneMap;
+use hemicube::methods::captures::{PLANE_APERTURE, SLICES, SLICES_NEAR};
+use std::path::PathBuf;
+
+/// Render one image with indirect light by irradiance-cache splatting
+///
+/// Draws a G-buffer, lights the surfaces once, then places irradiance records in rounds from coarse to fine: each is
+/// captured as a multi-view hemicube, integrated and splatted over the pixels it is valid for, until every visible pixel
+/// is covered. A table of all passes with their GPU times ends the run.
+#[derive(Args, Debug)]
+#[command(after_long_help = HELP)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub(super) scene: SceneArgs,
+    /// Image to write: .exr (linear floats, with layers) or .png (tone-mapped)
+    #[arg(short, long, value_name = "OUT.exr|OUT.png")]
+    pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) image: ImageArgs,
+    /// Layers of the EXR besides R,G,B: direct, indirect, irradiance, irradiance_direct, albedo, emission, N, P, Z,
+    /// records, mask, or all
+    #[arg(
+        long,
+        value_name = "LIST|all",
+        default_value = "direct,indirect,irradiance,albedo,N,P,Z",
+        help_heading = "Image"
+    )]
+    pub(super) layers: LayerSet,
+    /// Exposure of a PNG in stops
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, help_heading = "Image")]
+    pub(super) exposure: f32,
+    /// Tone mapping of a PNG: agx, srgb (clamped) or reinhard
+    #[arg(long, value_name = "NAME", default_value = "agx", help_heading = "Image")]
+    pub(super) tone: ToneMap,
+    /// Reflections on the way: 0 is direct light only, 1 one bounce of indirect light
+    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Light")]
+    pub(super) bounces: u32,
+    /// Samples of all emissive triangles together, one for each at least; the noise of soft shadows falls with their number
+    #[arg(long, value_name = "N", help_heading = "Light")]
+    pub(super) light_samples: Option<u32>,
+    /// Cells that the surfaces are cut into to hold their lit radiance, about, finer near the camera; each triangle
+    /// has at least one
+    #[arg(long, value_name = "N", help_heading = "Light")]
+    pub(super) surface_cells: Option<u32>,
+    /// Ward's a: a record reaches a times the harmonic mean distance of what it sees. Smaller: more records, less error
+    #[arg(long, value_name = "A", help_heading = "Irradiance cache")]
+    pub(super) accuracy: Option<f32>,
+    /// How records look at the scene
+    #[arg(long, value_enum, default_value = "auto", help_heading = "Irradiance cache")]
+    pub(super) capture: CaptureArg,
+    /// Texels a side of a capture (a hemicube's top), even, 8 to 256
+    #[arg(long, value_name = "N", help_heading = "Irradiance cache")]
+    pub(super) capture_size: Option<u32>,
+    /// Most that distant triangles may be wrong by in captures in compute, in texels of a hemicube: where a scene has many
+    /// triangles, coarser ones stand for them at a distance, and cast the sky's shadows on surface cells. 0: all are drawn
+    #[arg(long, value_name = "TEXELS", help_heading = "Irradiance cache")]
+    pub(super) lod_error: Option<f32>,
+    /// Full angle that --capture plane sees along each axis, in degrees, 10 to 170; 126.87 is twice as wide as it is far
+    #[arg(long, value_name = "DEGREES", default_value_t = PLANE_APERTURE, help_heading = "Irradiance cache")]
+    pub(super) aperture: f64,
+    /// Whether texels at the border of --capture plane stand for what it does not see; without it that is black
+    #[arg(long, value_enum, default_value = "on", help_heading = "Irradiance cache")]
+    pub(super) compensation: CompensationArg,
+    /// Voxels along the scene's longest side for --capture slices, 4 to 128
+    #[arg(long, value_name = "N", default_value_t = SLICES, help_heading = "Irradiance cache")]
+    pub(super) slices: u32,
+    /// How many voxels away --capture slices still draws triangles as they are, 2 to 1000
+    #[arg(long, value_name = "VOXELS", default_value_t = SLICES_NEAR, help_heading = "Irradiance cache")]
+    pub(super) slices_near: f32,
+    /// Cut triangles so that no side is longer than this share of the scene's diagonal; --capture hemisphere, which draws
+    /// curved sides straight, does so by itself
+    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
+    pub(super) tessellate: Option<f32>,
+    /// Irradiance gradients that records are extrapolated with
+    #[arg(long, value_enum, default_value = "both", help_heading = "Irradiance cache")]
+    pub(super) gradients: GradientsArg,
+    /// What R is, of which a record's zone of influence has the share a
+    #[arg(long, value_enum, default_value = "hessian", help_heading = "Irradiance cache")]
+    pub(super) radius: RadiusArg,
+    /// Weight of a record at a point
+    #[arg(long, value_enum, default_value = "bounded", help_heading = "Irradiance cache")]
+    pub(super) weight: WeightArg,
+    /// Smallest radius of a record's zone of influence as a share of the image's height; never below two pixels
+    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
+    pub(super) min_radius: Option<f32>,
+    /// Largest radius of a record's zone of influence as a share of the image's height
+    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
+    pub(super) max_radius: Option<f32>,
+    /// Sum of weights from which a pixel counts as covered
+    #[arg(long, value_name = "W", help_heading = "Irradiance cache")]
+    pub(super) coverage: Option<f32>,
+    /// New records are put where those of a pixel disagree by more than this, relative to their mean: removes dark or bright
+    /// spots beside edges of the light. Captures of N texels a side, below 32, are asked for 32/N times as much, for they err by as
+    /// much themselves. 0: they may disagree
+    #[arg(long, value_name = "C", help_heading = "Irradiance cache")]
+    pub(super) contrast: Option<f32>,
+    /// Most records between two looks for pixels that need one; fewer make fewer records in more time. Default: all that a
+    /// round's lattice of pixels needs
+    #[arg(long, value_name = "N", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) batch: Option<u32>,
+    /// √(1 − cos) between normals at which a record's weight has fallen to zero
+    #[arg(long, value_name = "X", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) normal_limit: Option<f32>,
+    /// Whether a new record reaches further beyond an older one than that reaches itself
+    #[arg(long, value_enum, default_value = "clamp", help_heading = "Irradiance cache")]
+    pub(super) neighbours: NeighboursArg,
+    /// Where something stands between a record and a point, by the distances that the record's hemicube has seen
+    #[arg(long, value_enum, default_value = "reject", help_heading = "Irradiance cache")]
+    pub(super) hidden: HiddenArg,
+    /// Seed of the hemicubes' random turns
+    #[arg(long, default_value_t = 0, help_heading = "Irradiance cache")]
+    pub(super) seed: u32,
+    /// Build and run every part, needed or not (to check that leaving parts out changes no pixel)
+    #[arg(long, hide_short_help = true, help_heading = "Device")]
+    pub(super) full_plan: bool,
+    /// Measure what the device does at most, as `hemicube info --measure` does, and show what capturing, integrating and
+    /// splatting did as a share of that
+    #[arg(long, help_heading = "Report")]
+    pub(super) measure: bool,
+    /// Write statistics as JSON: plan, records, times of all passes, memory
+    #[arg(long, value_name = "FILE.json", help_heading = "Report")]
+    pub(super) stats: Option<PathBuf>,
+    /// Write a Chrome trace of all passes and CPU stages; opens in Perfetto
+    #[arg(long, value_name = "FILE.json", help_heading = "Report")]
+    pub(super) trace: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) device: DeviceArgs,
+    #[command(flatten)]
+    pub(super) talk: TalkArgs,
+}
+
+const HELP: &str = "\
+Units: a light of intensity I gives I·cosθ/d²; an emissive texel of value L is radiance L; nothing is scaled. Surfaces are
+Lambertian and two-sided (metalness and roughness are not used); emitters shine from their front, from both sides if the
+material is double-sided, and do not reflect.
+
+Examples:
+  hemicube render -o cornell.exr
+  hemicube render sponza.gltf -o sponza.png --exposure 1
+  hemicube render sponza.gltf -o sponza.exr --width 640 --height 360 --accuracy 0.2 --stats sponza.json
+  hemicube render room.glb -o room.exr --background sky.exr --layers all --trace room.trace.json
+
+A draft, in half to a sixth of the time, with three times the error: --accuracy 1 --capture-size 16 --contrast 0 --surface-cells 60000
+--min-radius .06 --max-radius .1
+
+Exit codes: 0 done; 2 bad usage or input; 3 no suitable device, or device lost.";

@@ -1,0 +1,84 @@
+//! What the flags make of a frame.
+
+use super::Kind;
+use super::args::RenderArgs;
+use super::choices::{CaptureArg, CompensationArg, GradientsArg, HiddenArg, NeighboursArg, RadiusArg, WeightArg};
+use hemicube::methods::captures::CaptureMode;
+use hemicube::passes::integrate::{Gradients, Radius};
+use hemicube::passes::resolve::Plane;
+use hemicube::passes::splat::Weight;
+use hemicube::renderer::Settings;
+use hemicube::scene::{Camera, image_size};
+
+impl RenderArgs {
+    /// What the frame is made with.
+    pub(super) fn settings(&self, camera: &Camera, kind: Kind) -> Settings {
+        let (width, height) = image_size(camera, self.image.width, self.image.height);
+        let mut settings =
+            Settings { width, height, bounces: self.bounces, full_plan: self.full_plan, ..Settings::default() };
+        let set = |to: &mut f32, from: Option<f32>| *to = from.unwrap_or(*to);
+        let set_u32 = |to: &mut u32, from: Option<u32>| *to = from.unwrap_or(*to);
+        let cache = &mut settings.cache;
+        set(&mut cache.accuracy, self.accuracy);
+        set(&mut cache.lod_error, self.lod_error);
+        set(&mut cache.min_radius, self.min_radius);
+        set(&mut cache.max_radius, self.max_radius);
+        set(&mut cache.covered, self.coverage);
+        set(&mut cache.contrast, self.contrast);
+        set(&mut cache.normal_limit, self.normal_limit);
+        set_u32(&mut cache.capture_size, self.capture_size);
+        cache.capture = match self.capture {
+            CaptureArg::Auto => CaptureMode::Auto,
+            CaptureArg::Hemicube => CaptureMode::Hemicube,
+            CaptureArg::Compute => CaptureMode::Compute,
+            CaptureArg::ComputeHemisphere => CaptureMode::ComputeHemisphere,
+            CaptureArg::Slices => CaptureMode::Slices { across: self.slices, near: self.slices_near },
+            CaptureArg::Plane => {
+                CaptureMode::Plane { aperture: self.aperture, compensated: self.compensation == CompensationArg::On }
+            }
+            CaptureArg::Hemisphere => CaptureMode::Hemisphere,
+        };
+        cache.seed = self.seed;
+        cache.batch = self.batch;
+        let has = |kind| self.gradients == kind || self.gradients == GradientsArg::Both;
+        cache.gradients =
+            Gradients { rotation: has(GradientsArg::Rotation), translation: has(GradientsArg::Translation) };
+        cache.radius = match self.radius {
+            RadiusArg::Harmonic => Radius::Harmonic,
+            RadiusArg::Hessian => Radius::Hessian,
+        };
+        cache.weight = match self.weight {
+            WeightArg::Bounded => Weight::Bounded,
+            WeightArg::Ward => Weight::Ward,
+        };
+        cache.clamped = self.neighbours == NeighboursArg::Clamp;
+        cache.hidden = self.hidden == HiddenArg::Reject;
+        set_u32(&mut settings.lights.area_samples, self.light_samples);
+        settings.surface_cells = self.surface_cells;
+        settings.tessellation = self.tessellate;
+        settings.counts_work = self.measure;
+        settings.planes = match kind {
+            Kind::Exr => Plane::ALL.into_iter().filter(|p| self.layers.contains(layer_name(*p))).collect(),
+            Kind::Png => vec![Plane::Final],
+        };
+        settings
+    }
+}
+
+/// Name of a plane in `--layers`.
+fn layer_name(plane: Plane) -> &'static str {
+    match plane {
+        Plane::Final => "",
+        Plane::Direct => "direct",
+        Plane::Indirect => "indirect",
+        Plane::Irradiance => "irradiance",
+        Plane::DirectIrradiance => "irradiance_direct",
+        Plane::Albedo => "albedo",
+        Plane::Emission => "emission",
+        Plane::Normal => "N",
+        Plane::Position => "P",
+        Plane::Depth => "Z",
+        Plane::Records => "records",
+        Plane::Mask => "mask",
+    }
+}
