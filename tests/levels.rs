@@ -6,7 +6,7 @@
 mod common;
 
 use common::build::{Facing, diffuse, tessellated};
-use common::{Builder, draw, look, small};
+use common::{Builder, draw, holds, look, small};
 use glam::{Vec3, dvec3, vec3};
 use hemicube::image::metrics::measure;
 use hemicube::methods::captures::CaptureMode;
@@ -30,13 +30,21 @@ fn balls() -> (Scene, Camera) {
 
 fn settings(lod_error: f32) -> Settings {
     let mut settings = small(64);
-    (settings.cache.capture, settings.cache.lod_error) = (CaptureMode::Compute, lod_error);
+    settings.cache.lod_error = lod_error;
     settings
 }
 
 /// Levels against all triangles: irradiance of the pixels within 1 % on average and 5 % at the 99th percentile.
 fn check(scene: &Scene, camera: &Camera) {
-    let [all, levels] = [0.0, Settings::default().cache.lod_error].map(|e| draw(scene, camera, &settings(e)));
+    if !holds(scene) {
+        return;
+    }
+    let in_compute = |lod_error| {
+        let mut settings = settings(lod_error);
+        settings.cache.capture = CaptureMode::Compute;
+        draw(scene, camera, &settings)
+    };
+    let [all, levels] = [0.0, Settings::default().cache.lod_error].map(in_compute);
     assert!(levels.plan.levels && !all.plan.levels, "{} triangles", scene.triangles.len());
     let [test, exact] = [&levels, &all].map(|r| r.picture.layer("irradiance").unwrap());
     let m = measure(&test, &exact, 64, None);
@@ -95,7 +103,9 @@ fn a_sky_lights_hills_the_same_by_coarser_ones() {
     eprintln!("hills: {:.2} %, p99 {:.1} %, energy {:?}", m.mae * 1e2, m.p99 * 1e2, m.energy);
     assert!(m.mae > 0.0, "nothing is coarser");
     assert!(m.mae <= 0.01 && m.p99 <= 0.05, "{m:?}");
-    assert!((m.energy.unwrap() - 1.0).abs() <= 0.0075, "{m:?}");
+    // Receivers stand off by 1.25 times the error: 0.2 % too bright. By 1.0 times it they are 1.1 % too dark, by 1.5 times 0.7 % too
+    // bright.
+    assert!((m.energy.unwrap() - 1.0).abs() <= 0.005, "{m:?}");
 }
 
 /// A ball and a box, seen from inside, under a bright sky: what stands for them lets no more of it in than they do themselves, a

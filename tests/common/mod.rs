@@ -13,6 +13,7 @@ pub use hemicube::scene::build::{self, Builder, look, look_parallel};
 use glam::{DVec3, Vec3, vec3};
 use hemicube::image::Picture;
 use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE};
+use hemicube::passes::cluster_tree::TreeSize;
 use hemicube::passes::resolve::Plane;
 use hemicube::renderer::{Rendered, Settings, render};
 use hemicube::scene::{Camera, Scene};
@@ -32,6 +33,13 @@ pub fn gpu() -> MutexGuard<'static, Arc<Device>> {
         Mutex::new(device)
     };
     GPU.get_or_init(open).lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether the shared device holds the triangles of `scene` for captures in compute; a loud line where it does not.
+pub fn holds(scene: &Scene) -> bool {
+    let misfit = TreeSize::exact(scene.triangles.len()).misfit(&gpu());
+    misfit.iter().for_each(|why| eprintln!("!!! no captures in compute, {why}; NOTHING IS CHECKED"));
+    misfit.is_none()
 }
 
 /// Renders on the shared device; a validation message fails the test.
