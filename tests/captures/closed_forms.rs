@@ -3,6 +3,7 @@
 use super::{BARE_PLANE, PLANE, WHOLE, mean, measure};
 use crate::common::build::{Builder, Facing, diffuse};
 use crate::common::closed_forms::{parallelogram, polygon};
+use crate::common::gpu;
 use crate::common::probes::turned;
 use glam::{DVec3, Vec3, dvec3, vec3};
 use hemicube::math::capture::seen_by_plane;
@@ -145,10 +146,12 @@ fn records_beside_a_wall_see_it() {
 }
 
 /// A black sheet behind the shining rectangle, farther by a 13,000th: of no texel is it seen in place of the nearer one, from
-/// within the scene, where depths of 19 octaves are told apart in compute.
+/// within the scene, where depths of 19 octaves are told apart in compute. Render passes tell them apart by what corners that are
+/// rounded to 2⁻ᵇ of a texel leave of a depth: twice that, of texels that are 2/N wide at distance 1.
 #[test]
 fn the_nearer_of_two_sheets_is_seen() {
-    let sheets = |behind: Option<f32>| {
+    const SIZE: u32 = 32;
+    let sheets = |capture: CaptureMode, behind: Option<f32>| {
         let mut b = Builder::default();
         // First, so that of equals it is drawn.
         let black = b.material(diffuse(0.0));
@@ -157,13 +160,19 @@ fn the_nearer_of_two_sheets_is_seen() {
             b.quad(black, vec3(0.3, 1.0, -0.9) * (1.0 + apart), Vec3::X * 1.2, Vec3::Z * 1.6);
         }
         shining_rectangle(&mut b);
-        measure(&b.build(), CaptureMode::Compute, 32, &turned(Vec3::ZERO, 16))
+        measure(&b.build(), capture, SIZE, &turned(Vec3::ZERO, 16))
     };
-    let alone = sheets(None);
-    for apart in [10e3, 11e3, 12e3, 13e3] {
-        for (one, two) in alone.iter().zip(&sheets(Some(1.0 / apart))) {
-            let [one, two] = [one, two].map(|p| p.reflected.value.y);
-            assert!((two / one - 1.0).abs() < 1e-5, "a {apart}th: {one} becomes {two}");
+    let bits = gpu().capabilities.limits.sub_pixel_precision_bits;
+    let by_passes = (SIZE << bits) as f32 / 4.0;
+    for (capture, distances) in
+        [(CaptureMode::Compute, &[10e3, 11e3, 12e3, 13e3][..]), (CaptureMode::Hemicube, &[by_passes])]
+    {
+        let alone = sheets(capture, None);
+        for apart in distances {
+            for (one, two) in alone.iter().zip(&sheets(capture, Some(1.0 / apart))) {
+                let [one, two] = [one, two].map(|p| p.reflected.value.y);
+                assert!((two / one - 1.0).abs() < 1e-5, "{capture:?}, a {apart}th: {one} becomes {two}");
+            }
         }
     }
 }

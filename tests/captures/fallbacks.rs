@@ -45,6 +45,10 @@ fn every_size_renders_and_the_plan_says_by_what() {
 /// Devices that set triangles up before they are clipped have the vertex stage cut them, in the G-buffer, shadow maps and
 /// captures. The same picture, but for pixels and texels whose centre lies within rounding of an edge: a room whose walls go
 /// on behind every eye, with a texture, a mask and a light.
+///
+/// An edge passes some N texels of a capture's N², of which corners that are rounded to 2⁻ᵇ of a texel move that share to its
+/// other side: a record's light is off by about 2⁻ᵇ/N for each edge that it sees, to either side. Room and screen show it a dozen,
+/// which makes three times that.
 #[test]
 fn triangles_cut_by_the_vertex_stage_make_the_same_picture() {
     let mut b = Builder::default();
@@ -69,12 +73,20 @@ fn triangles_cut_by_the_vertex_stage_make_the_same_picture() {
         check_complete(&rendered);
         rendered.picture
     });
+    let rounding = 0.5f32.powi(gpu().capabilities.limits.sub_pixel_precision_bits as i32) / 16.0;
     // Which of two places a record takes may hang on a pixel's last digit: the number of records is not compared.
     for (name, values) in whole.channels.iter().filter(|(name, _)| *name != "records.Y") {
+        let both = || values.iter().zip(&cut.channels[name]);
         let scale = values.iter().fold(0.0f32, |most, v| most.max(v.abs()));
-        let off = values.iter().zip(&cut.channels[name]).filter(|(a, b)| (*a - *b).abs() > 0.01 * scale).count();
-        eprintln!("{name}: {off} of {} pixels differ by more than 1 % of the most, {scale}", values.len());
-        assert!(off * 100 <= values.len(), "{name}: {off} pixels");
+        let off = both().filter(|(a, b)| (*a - *b).abs() > 0.01 * scale).count();
+        let difference = both().map(|(a, b)| (a - b).abs()).sum::<f32>()
+            / values.iter().map(|v| v.abs()).sum::<f32>().max(f32::MIN_POSITIVE);
+        eprintln!("{name}: {difference:.1e} off, {off} of {} pixels by more than 1 % of the most", values.len());
+        if ["P", "N", "Z", "albedo", "mask", "direct", "irradiance_direct"].contains(&name.split('.').next().unwrap()) {
+            assert!(off * 100 <= values.len(), "{name}: {off} pixels");
+        } else {
+            assert!(difference <= 3.0 * rounding, "{name}: {difference}, above 3 · {rounding}");
+        }
     }
 }
 
