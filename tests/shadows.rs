@@ -5,7 +5,7 @@
 mod common;
 
 use common::build::{Facing, diffuse, emitter};
-use common::{Builder, assert_same_bits, draw, look, look_parallel, picture, small};
+use common::{Builder, assert_same_bits, draw, gpu, look, look_parallel, picture, small};
 use glam::{DVec3, Vec3, dvec3, vec3};
 use hemicube::image::Picture;
 use hemicube::renderer::Settings;
@@ -46,7 +46,9 @@ fn above(light: &Light, p: DVec3, height: f64) -> DVec3 {
     }
 }
 
-/// A plate's shadow on a floor, seen so near that a texel of the map is many pixels: each pixel is as the closed form says.
+/// A plate's shadow on a floor, seen so near that a texel of the map is many pixels: each pixel is as the closed form says. Only
+/// the plate's corner, where it is thinner than a texel, may let light through on devices that round it to a coarse part of one: no
+/// texel's centre may lie in it there.
 #[test]
 fn shadow_edges_lie_where_the_closed_form_has_them() {
     // An edge askew to every map's axes, and a corner of the plate.
@@ -83,7 +85,12 @@ fn shadow_edges_lie_where_the_closed_form_has_them() {
         };
         // A pixel is 0.0006 wide; the map's texels are about 0.01 (sun), 0.008 (point) and 0.002 (spot).
         let margin = 1e-5;
-        let (mut lit, mut dark, mut wrong) = (0, 0, 0);
+        const TEXELS_DIAGONAL: f64 = 0.0142;
+        let may_miss = |p: DVec3| {
+            let to_corner = above(&light, p, f64::from(corner.y)) - corner.as_dvec3();
+            to_corner.length() < TEXELS_DIAGONAL && gpu().capabilities.limits.sub_pixel_precision_bits < 8
+        };
+        let (mut lit, mut dark, mut wrong, mut missed) = (0, 0, 0, 0);
         for (p, is_lit) in floor_points(&picture) {
             let depth = inside(p);
             if depth.abs() < margin {
@@ -91,9 +98,10 @@ fn shadow_edges_lie_where_the_closed_form_has_them() {
             }
             let should = depth < 0.0;
             (lit, dark) = (lit + u32::from(should), dark + u32::from(!should));
-            wrong += u32::from(is_lit != should);
+            let is_missed = is_lit && !should && may_miss(p);
+            (wrong, missed) = (wrong + u32::from(is_lit != should && !is_missed), missed + u32::from(is_missed));
         }
-        eprintln!("{name}: {lit} lit, {dark} dark, {wrong} wrong");
+        eprintln!("{name}: {lit} lit, {dark} dark, {wrong} wrong, {missed} missed of the corner");
         assert!(lit > 1000 && dark > 1000, "{name}: {lit} lit, {dark} dark");
         assert_eq!(wrong, 0, "{name}");
     }

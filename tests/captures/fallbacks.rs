@@ -98,13 +98,24 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
     let by_workgroups = "whole workgroups drew the frame anew";
     let [few, many] = [600, 2400].map(sheets);
     let whole = by(CaptureMode::Hemicube, &few).unwrap();
-    let [compute, auto] = [CaptureMode::Compute, CaptureMode::Auto].map(|capture| by(capture, &few).unwrap());
+    let auto = by(CaptureMode::Auto, &few).unwrap();
+    let compute = match by(CaptureMode::Compute, &few) {
+        // A device that holds no tree of them, cut as they are where they are long: that is known from the start.
+        Err(RenderError::Memory(error)) => {
+            eprintln!("!!! {error}; WHAT OUTLASTS LOOPS IS NOT CHECKED");
+            assert!(
+                why_not_in_compute(&auto).is_some_and(|why| why.contains(TOO_FEW_TEXELS)) && off(&auto, &whole) < 0.01
+            );
+            return;
+        }
+        rendered => rendered.unwrap(),
+    };
     let ends = gpu().is_cpu() && gpu().capabilities.subgroup.is_some();
     for rendered in [&compute, &auto] {
         assert!(off(rendered, &whole) < 0.01);
         let told = rendered.warnings.iter().filter(|warning| warning.contains(by_workgroups)).count();
         assert_eq!([told, rendered.warnings.len()], [usize::from(ends); 2], "{:?}", rendered.warnings);
-        assert!(rendered.plan.run.contains(&"capture_compute"));
+        assert!(rendered.plan.run.contains(&"capture_compute") || !gpu().is_cpu());
     }
     let whole = by(CaptureMode::Hemicube, &many).unwrap();
     assert!(whole.warnings.is_empty());
@@ -112,9 +123,7 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
     let (words, warned) = match by(CaptureMode::Compute, &many) {
         Err(RenderError::Vulkan(vk::Error::LoopsEnded { shared: true })) => (Some(loops), 1),
         // A device that holds no tree of them: that is known from the start.
-        Err(RenderError::Memory(TooLarge::One { used_for: "capture corners", .. })) => {
-            (Some("a texel buffer of the"), 0)
-        }
+        Err(RenderError::Memory(TooLarge::One { used_for: "capture corners", .. })) => (Some(TOO_FEW_TEXELS), 0),
         // One that ends no loops.
         rendered => {
             assert!(off(&rendered.unwrap(), &whole) < 0.01);
@@ -122,12 +131,18 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
         }
     };
     let auto = by(CaptureMode::Auto, &many).unwrap();
-    let why = auto.plan.left_out.iter().find(|left| left.pass == "capture_compute").map(|left| left.why.as_str());
+    let why = why_not_in_compute(&auto);
     if gpu().is_cpu() {
         assert!(why.is_some() == words.is_some() && why.unwrap_or("").contains(words.unwrap_or("")), "{why:?}");
     }
     assert_eq!(auto.warnings.iter().filter(|warning| warning.contains("render passes drew")).count(), warned);
     assert!(off(&auto, &whole) < 0.01);
+}
+
+const TOO_FEW_TEXELS: &str = "a texel buffer of the device holds";
+
+fn why_not_in_compute(rendered: &Rendered) -> Option<&str> {
+    rendered.plan.left_out.iter().find(|left| left.pass == "capture_compute").map(|left| left.why.as_str())
 }
 
 fn sheets(count: u32) -> Scene {
