@@ -18,6 +18,7 @@ layout(constant_id = 6) const uint THREADS = 64;  // a multiple of the tree's ch
 layout(constant_id = 7) const uint COUNTS = 0;  // triangles that are drawn
 layout(constant_id = 8) const uint MAY_END = 0;  // the device may end loops
 layout(constant_id = 9) const uint HAS_SLICES = 0;  // for what is far
+layout(constant_id = 10) const uint HAS_OUTLINES = 0;  // followed over the triangles' edges
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1) uniform textureBuffer octets;  // boxes of triangles: low, high
@@ -112,16 +113,20 @@ Spot spot_of(uint i) {
 
 vec3 cell_light(uint cell, bool front);
 
+// Radiance of a triangle of texels p0 and p1 with the corners a, a + e1 and a + e2 from here, in a direction of any length.
+vec3 light_of(vec4 p0, vec4 p1, vec3 a, vec3 e1, vec3 e2, vec3 direction) {
+    uint cell = floatBitsToUint(p0.w) + cell_at(floatBitsToUint(p1.w) >> 16, barycentrics(a, e1, e2, direction));
+    if (HAS_LEVELS != 0 && cell >= push.first_coarse_cell) cell = shown_cell[cell - push.first_coarse_cell];
+    return cell_light(cell, dot(a, cross(e1, e2)) < 0.0);
+}
+
 // Radiance of a triangle in a direction of any length, and its plane; direction and plane in face coordinates.
 void look(View view, uint triangle, vec3 way, out vec3 light, out vec3 plane) {
     int at = 3 * int(triangle);
     vec4 p0 = texelFetch(corners, at), p1 = texelFetch(corners, at + 1);
     vec3 a = p0.xyz - view.frame.origin.xyz, e1 = p1.xyz - p0.xyz, e2 = texelFetch(corners, at + 2).xyz - p0.xyz;
     plane = view.axes * inverse_plane(a, e1, e2);
-    vec2 uv = barycentrics(a, e1, e2, way * view.axes);
-    uint cell = floatBitsToUint(p0.w) + cell_at(floatBitsToUint(p1.w) >> 16, uv);
-    if (HAS_LEVELS != 0 && cell >= push.first_coarse_cell) cell = shown_cell[cell - push.first_coarse_cell];
-    light = cell_light(cell, dot(a, cross(e1, e2)) < 0.0);
+    light = light_of(p0, p1, a, e1, e2, way * view.axes);
 }
 
 #include "capture_compute/slices.glsl"

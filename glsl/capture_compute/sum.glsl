@@ -90,6 +90,8 @@ void leave_at_border(uint at, Seen seen, vec3 plane) {
     gathered[STRIDE * at + STRIDE - 1] = vec4(plane, 0.0);
 }
 
+#include "capture_compute/outlines.glsl"
+
 void tell(View view, uint texels, uint first) {
     Part lit = Part(vec4(0.0), vec3(0.0), vec3(0.0), vec3(0.0)), open = lit;
     Slide slide = no_slide();
@@ -99,7 +101,8 @@ void tell(View view, uint texels, uint first) {
     for (uint i = me; i < texels; i += THREADS) {
         uint key = keys[i];
         vec3 way = spot_of(i).way;
-        Sight sight = see(view, key, triangle_at(i, key, first), way);
+        uint triangle = triangle_at(i, key, first);
+        Sight sight = see(view, key, triangle, way);
         float inverse_depth = dot(sight.plane, way);
         Seen now = Seen(vec4(sight.light, sight.inverse_distance), sight.beyond, inverse_depth + to_edges(sight.plane));
         if (view.face > 0) inverse_distances[first + i] = floatBitsToUint(now.light.w);
@@ -113,6 +116,10 @@ void tell(View view, uint texels, uint first) {
         vec4 bend = texelFetch(texel_table, at + 3);
         Seen left = left_of(now, above[0]), over = above[ROW - 1];
         vec2 back = inverse_depth - to_edges(sight.plane);
+        if (HAS_OUTLINES != 0)
+            keys[i] = (key == NOTHING ? SKY : triangle)
+                | marks_of(left, now, vec2(left.onward.x, back.x), to_left.z > 0.0, LEFT, LEFT_IS_NEARER)
+                | marks_of(over, now, vec2(over.onward.y, back.y), up.z > 0.0, ABOVE, ABOVE_IS_NEARER);
         step_over(slide, left, now, left.onward.x, back.x, to_left.xyz, vec3(to_left.w, bend.xy));
         step_over(slide, over, now, over.onward.y, back.y, up.xyz, vec3(up.w, bend.zw));
         // One by one, for what is indexed by a variable lies in memory.
@@ -127,6 +134,7 @@ void tell(View view, uint texels, uint first) {
         uint border = floatBitsToUint(weight.w);
         if (border != 0) leave_at_border(record * push.border_count + border - 1, now, sight.plane * local_axes(view.face));
     }
+    if (HAS_OUTLINES != 0) correct_outlines(view, texels, base, slide);
     uint to = FACES * THREADS * SUMS * record + THREADS * view.face + me;
     put_part(to, lit, slide.lit_x, slide.lit_y);
     if (HAS_SKY != 0) put_part(to, open, slide.open_x, slide.open_y);

@@ -1,6 +1,7 @@
 //! How records look at the scene: the capture passes, one interface.
 
 use super::Ground;
+use crate::math::adjacency;
 use crate::math::capture::Projection;
 use crate::math::slices::Grid;
 use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
@@ -8,6 +9,7 @@ use crate::passes::capture_compute::{CaptureCompute, Far, Looks};
 use crate::passes::cluster_tree::TreeSize;
 use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
+use crate::passes::geometry::Geometry;
 use crate::passes::integrate::{Captured, CapturedBy};
 use crate::passes::slices::Slices;
 use crate::scene::Scene;
@@ -143,6 +145,8 @@ pub struct Captures {
     pub drawn_whole: u32,
     /// Records of a batch.
     pub capacity: u32,
+    /// Whether outlines are followed over the triangles' edges ([`crate::math::outline`]).
+    pub follows_outlines: bool,
 }
 
 /// The pass that captures, boxed for their sizes differ.
@@ -182,7 +186,10 @@ impl Captures {
                 None => Gathered::viewed(device, texels * u64::from(capacity), kinds)?,
             };
             let on = (geometry, tree, slices.as_ref());
-            let capture = CaptureCompute::new(device, on, (&gathered, sky), &looks, capacity, drawn)?;
+            let follows = sums.is_some() && planes && far.is_none() && pays_to_follow(geometry, &looks);
+            let across = || adjacency::neighbours(&geometry.triangles, &ground.scene.positions);
+            let neighbours = follows.then(|| tree.neighbours(device, &across())).transpose()?;
+            let capture = CaptureCompute::new(device, on, neighbours, (&gathered, sky), &looks, capacity, drawn)?;
             let texels = looks.texels();
             return Ok(Self {
                 by: By::Compute(Box::new(capture), slices.map(Box::new)),
@@ -192,6 +199,7 @@ impl Captures {
                 texels,
                 drawn_whole: 0,
                 capacity,
+                follows_outlines: follows,
             });
         }
         let desc = CaptureDesc {
@@ -207,7 +215,16 @@ impl Captures {
         let texels = projection.table(size).texels.len() as u32;
         let gathered = Gathered::plain(device, u64::from(texels) * u64::from(capacity), kinds)?;
         let drawn_whole = if capture.is_culled() { 0 } else { geometry.triangle_count * views.count() };
-        Ok(Self { by: By::Render(Box::new(capture)), gathered, projection, size, texels, drawn_whole, capacity })
+        Ok(Self {
+            by: By::Render(Box::new(capture)),
+            gathered,
+            projection,
+            size,
+            texels,
+            drawn_whole,
+            capacity,
+            follows_outlines: false,
+        })
     }
 
     /// Frames to look from.
@@ -273,6 +290,12 @@ impl Captures {
             }
         }
     }
+}
+
+/// Whether outlines are followed over the triangles' edges: where these are larger than texels, in the mean. Of smaller ones few
+/// are long and thin at once, and pictures show no difference.
+fn pays_to_follow(geometry: &Geometry, looks: &Looks) -> bool {
+    geometry.triangle_count <= looks.texels()
 }
 
 fn views(projection: Projection) -> Views {

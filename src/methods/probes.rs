@@ -163,6 +163,11 @@ impl<'a> Probes<'a> {
         Ok(Self { scene, geometry, textures, captures, integrate, records, payloads, results, sky })
     }
 
+    /// Whether gradients know of what is seen edge-on, thinner than a texel ([`crate::math::outline`]).
+    pub fn follows_outlines(&self) -> bool {
+        self.captures.follows_outlines
+    }
+
     /// Measures all `places`, in batches; `done` hears how many a batch had.
     pub fn measure(
         &self,

@@ -9,6 +9,9 @@
 //! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
 //! or a 64th of the triangle's side.
 //!
+//! Where a subgroup sums, outlines may be followed over the triangles' edges ([`crate::math::outline`]): the translation gradient
+//! then knows of what is seen edge-on, thinner than a texel.
+//!
 //! With [`super::slices`] only what is near is drawn; what is far is looked up there.
 
 use super::cluster_tree::ClusterTree;
@@ -151,6 +154,7 @@ pub struct CaptureCompute {
     ended: Option<Counter>,
     _viewed: Option<BufferView>,
     _table: Option<TexelBuffer>,
+    _neighbours: Option<TexelBuffer>,
     _layout: SetLayout,
 }
 
@@ -181,10 +185,12 @@ impl CaptureCompute {
     }
 
     /// Captures up to `capacity` times what `looks` says, of the triangles in `tree` and of `slices` where that wants some, into
-    /// `gathered`; `sky` where that keeps it. What is drawn, triangles times views by octets, adds to `drawn`.
+    /// `gathered`; `sky` where that keeps it. With `neighbours` ([`ClusterTree::neighbours`]) outlines are followed, where faces are
+    /// summed. What is drawn, triangles times views by octets, adds to `drawn`.
     pub fn new(
         device: &Arc<Device>,
         (geometry, tree, slices): (&Geometry, &ClusterTree, Option<&Slices>),
+        neighbours: Option<TexelBuffer>,
         (gathered, sky): (&Gathered, Option<&Buffer>),
         looks: &Looks,
         capacity: u32,
@@ -220,7 +226,8 @@ impl CaptureCompute {
             Binding::TexelBuffer(slices.map_or(&tree.corners, |slices| &slices.sides)),
         ];
         let of_sums = summed.iter().flat_map(|sums| [&sums.distances, &sums.parts].map(Binding::Storage));
-        let bindings: Vec<_> = bindings.into_iter().chain(of_sums).collect();
+        let of_outlines = summed.map(|_| Binding::TexelBuffer(neighbours.as_ref().unwrap_or(&tree.corners)));
+        let bindings: Vec<_> = bindings.into_iter().chain(of_sums).chain(of_outlines).collect();
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
@@ -247,7 +254,7 @@ impl CaptureCompute {
             Some(sums) => (sums.part_count / views, spirv!("capture_compute", "subgroup.comp")),
             None => (THREADS, spirv!("capture_compute", "workgroup.comp")),
         };
-        let extras = [drawn.is_some(), ended.is_some(), looks.far.is_some()].map(u32::from);
+        let extras = [drawn.is_some(), ended.is_some(), looks.far.is_some(), neighbours.is_some()].map(u32::from);
         let constants = Specialisation([size].into_iter().chain(flags).chain([threads]).chain(extras).collect());
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
         Ok(Self {
@@ -260,6 +267,7 @@ impl CaptureCompute {
             ended,
             _viewed: viewed,
             _table: table,
+            _neighbours: neighbours,
             _layout: layout,
         })
     }

@@ -7,6 +7,7 @@ mod size;
 mod sort;
 
 use super::geometry::CLUSTER;
+use crate::math::adjacency;
 use crate::math::density::Density;
 use crate::math::levels::{Bound, Cluster, First, Levels, Surface};
 use crate::scene::opacity::{Mask, Opacity};
@@ -49,6 +50,8 @@ pub struct ClusterTree {
     /// Three corners a triangle, 64 triangles a cluster, the last ones points where a cluster has fewer; w (bits): its first
     /// surface cell; how many lie along a side, in the upper half, and of its alpha mask; the mask's first texel.
     pub corners: TexelBuffer,
+    /// Number of each of these triangles among the scene's; those of coarse ones and of points are greater than any of them.
+    order: Vec<u32>,
     /// Bits of alpha masks, where the scene has some.
     pub masks: Option<TexelBuffer>,
     /// Of each coarse cell the cell that it shows, where clusters have levels.
@@ -69,6 +72,7 @@ pub struct Arranged {
     octets: Vec<Bounds>,
     nodes: Vec<Vec4>,
     corners: Vec<[Vec4; 3]>,
+    order: Vec<u32>,
     masks: Vec<u32>,
     shown_cell: Option<Vec<u32>>,
     coarse_triangles: usize,
@@ -111,10 +115,13 @@ impl Arranged {
     fn of(triangles: Triangles<'_>, groups: &[Group], shown_cell: Option<Vec<u32>>) -> Self {
         let clusters = || groups.iter().flat_map(|g| &g.clusters);
         let mut corners = Vec::with_capacity(clusters().count() * CLUSTER as usize);
+        let mut order = Vec::with_capacity(corners.capacity());
         for (cluster, _) in clusters() {
             corners.extend(cluster.triangles.iter().map(|t| triangles.named(*t)));
             let last = corners.last().map_or(Vec4::ZERO, |[a, ..]: &[Vec4; 3]| a.truncate().extend(0.0));
             corners.resize(corners.len().next_multiple_of(CLUSTER as usize), [last; 3]);
+            order.extend(&cluster.triangles);
+            order.resize(corners.len(), adjacency::NONE);
         }
         let octets: Vec<_> = corners.chunks(CHILDREN).map(|c| Bounds::of_corners(c.as_flattened())).collect();
         let nodes = nodes_of(groups);
@@ -123,6 +130,7 @@ impl Arranged {
             octets,
             nodes: nodes.iter().flat_map(|n| n.texels(shown_cell.is_some())).collect(),
             corners,
+            order,
             masks: triangles.opacity.words,
             shown_cell,
             coarse_triangles: 0,
@@ -131,7 +139,7 @@ impl Arranged {
 
     /// What it will take of the device.
     pub fn size(&self) -> TreeSize {
-        let Self { root: _, octets, nodes, corners, masks, shown_cell, coarse_triangles } = self;
+        let Self { root: _, octets, nodes, corners, order: _, masks, shown_cell, coarse_triangles } = self;
         TreeSize {
             octets: size_of_val(&octets[..]) as u64,
             nodes: size_of_val(&nodes[..]) as u64,
@@ -146,7 +154,7 @@ impl Arranged {
 impl ClusterTree {
     /// Uploads what was arranged.
     pub fn new(device: &Arc<Device>, arranged: &Arranged) -> Result<Self> {
-        let Arranged { root, octets, nodes, corners, masks, shown_cell, .. } = arranged;
+        let Arranged { root, octets, nodes, corners, order, masks, shown_cell, .. } = arranged;
         let new_masks = || TexelBuffer::with_data(device, "alpha masks", masks);
         let shown = |cells: &Vec<u32>| Buffer::with_data(device, "coarse cells", cells);
         Ok(Self {
@@ -155,9 +163,27 @@ impl ClusterTree {
             octets: TexelBuffer::with_data(device, "cluster bounds", octets)?,
             nodes: TexelBuffer::with_data(device, "cluster bounds", nodes)?,
             corners: TexelBuffer::with_data(device, "capture corners", corners)?,
+            order: order.clone(),
             masks: (!masks.is_empty()).then(new_masks).transpose()?,
             shown_cell: shown_cell.as_ref().map(shown).transpose()?,
         })
+    }
+
+    /// The triangles across the edges opposite to the corners of each, by their places in [`Self::corners`] plus 1, as bits; 0
+    /// where there are none. `across`: the same by the scene's numbers.
+    pub fn neighbours(&self, device: &Arc<Device>, across: &[[u32; 3]]) -> Result<TexelBuffer> {
+        let mut places = vec![0; across.len()];
+        for (place, triangle) in (1..).zip(&self.order) {
+            if let Some(of) = places.get_mut(*triangle as usize) {
+                *of = place;
+            }
+        }
+        let place = |triangle: u32| f32::from_bits(places.get(triangle as usize).copied().unwrap_or(0));
+        let texel = |triangle: &u32| {
+            across.get(*triangle as usize).map_or(Vec4::ZERO, |next| Vec3::from(next.map(place)).extend(0.0))
+        };
+        let texels: Vec<Vec4> = self.order.iter().map(texel).collect();
+        TexelBuffer::with_data(device, "capture neighbours", &texels)
     }
 
     /// Whether some clusters stand for others at a distance.

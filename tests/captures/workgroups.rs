@@ -2,11 +2,13 @@
 
 use super::measure;
 use crate::common::build::{Builder, Facing, diffuse};
+use crate::common::gpu;
 use crate::common::probes::{measure_on, settings, turned};
 use glam::{Vec3, vec3, vec4};
 use hemicube::methods::captures::CaptureMode;
-use hemicube::methods::probes::Irradiance;
-use hemicube::scene::{Background, EnvironmentMap, Light, Material};
+use hemicube::methods::probes::{Irradiance, Probes};
+use hemicube::scene::{Background, EnvironmentMap, Light, Material, cornell};
+use hemicube::vk::pass::Recorder;
 use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::sync::Arc;
 
@@ -40,7 +42,8 @@ fn workgroups_capture_what_subgroups_do() {
 
 /// Subgroups sum the faces that they draw, edges within faces too; workgroups write texels, which are summed afterwards. All
 /// sums are the same but for the order in which they add up: of surfaces that nowhere touch, so that no two are equally far,
-/// and of a sky.
+/// and of a sky. A sphere under the floor, of more triangles than texels, keeps subgroups from following outlines, which workgroups
+/// do not.
 #[test]
 fn sums_of_faces_are_those_of_their_texels() {
     let mut b = Builder::default();
@@ -52,6 +55,7 @@ fn sums_of_faces_are_those_of_their_texels() {
         let low = vec3((i % 4) as f32 * 0.6 - 1.3, 0.1 + i as f32 * 0.1, (i / 4) as f32 * 0.7 - 0.9);
         b.cuboid(red, low, low + vec3(0.2, 0.05, 0.3), Facing::Out);
     }
+    b.sphere(grey, vec3(0.0, -3.0, 0.0), 1.0, 60, Facing::Out);
     b.light(Light::Point { position: vec3(0.5, 1.0, 0.0), intensity: vec3(3.0, 2.0, 1.0) });
     let rgb = (0..32).map(|i| [(i % 8) as f32, 1.0, (i / 8) as f32]).collect();
     b.background(Background::Map(EnvironmentMap { width: 8, height: 4, rgb }));
@@ -71,5 +75,23 @@ fn sums_of_faces_are_those_of_their_texels() {
                 assert!(off < 2e-5 * most, "{size}: {a:?} {b:?}");
             }
         }
+    }
+}
+
+/// Outlines are followed where subgroups sum, in scenes of no more triangles than a hemicube has texels: the stability suite's
+/// bounds of gradients ask so.
+#[test]
+fn subgroups_follow_outlines_of_few_triangles() {
+    let follows = |device: &Arc<Device>, capture, size| {
+        let (scene, mut recorder) = (cornell(), Recorder::new(device));
+        Probes::new(device, &mut recorder, &scene, &settings(capture, size)).unwrap().follows_outlines()
+    };
+    let device = gpu();
+    let sums = device.is_cpu() && device.capabilities.subgroup.is_some_and(|threads| threads >= 8);
+    for size in [16, 32, 64] {
+        assert_eq!(follows(&device, CaptureMode::Compute, size), sums, "{size}");
+        assert!(
+            !follows(&by_workgroups(), CaptureMode::Compute, size) && !follows(&device, CaptureMode::Hemicube, size)
+        );
     }
 }
