@@ -4,7 +4,7 @@ use super::difference;
 use crate::common::build::{Facing, diffuse, tessellated};
 use crate::common::closed_forms::{element, over_square, parallelogram, point_light, polygon};
 use crate::common::{
-    Builder, TINT, against, assert_close, each_capture, inside, look, look_parallel, picture, small, tinted,
+    Builder, TINT, against, assert_close, each_capture, holds, inside, look, look_parallel, picture, small, tinted,
 };
 use glam::{DVec3, Vec3, dvec3, vec3};
 use hemicube::renderer::Settings;
@@ -128,6 +128,9 @@ fn both_ways_to_capture_agree_with_the_closed_forms() {
 fn both_ways_to_capture_agree_on_many_triangles() {
     let scene = tessellated(&cornell(), 6);
     assert!(scene.triangles.len() > 63 * 32 * 64, "{} triangles fill one list only", scene.triangles.len());
+    if !holds(&scene) {
+        return;
+    }
     let [render, compute] = each_capture(small(12)).map(|settings| picture(&scene, &scene.cameras[0], &settings));
     let off = difference(&render, &compute, "irradiance");
     let energy = off.energy.unwrap() - 1.0;

@@ -61,7 +61,15 @@ fn a_sky_linear_in_one_axis() {
         settings.cache.normal_limit = 0.05;
         let picture = picture(&scene, &look(eye, DVec3::ZERO, 35.0), &settings);
         let expected = |n: DVec3| PI * f64::from(l0) + 2.0 * PI / 3.0 * f64::from(l1) * n.x;
-        let deviation = against(&picture, "irradiance_direct", TINT, |_, n| Some(expected(n)));
+        // Where corners are rounded to a coarse part of a pixel, the far side may show at the ball's outline, a pixel or two.
+        let outside = |p: DVec3, n: DVec3| (n.dot(p) > 0.0).then(|| expected(n));
+        let deviation = against(&picture, "irradiance_direct", TINT, outside);
+        let seen = picture.scalar("mask").unwrap().iter().filter(|m| **m == 1.0).count();
+        assert!(
+            (seen - deviation.pixels) * 1000 <= seen,
+            "{} of {seen} pixels show the inside",
+            seen - deviation.pixels
+        );
         assert_close("πL₀ + (2π/3)L₁n", deviation, 0.003, 0.02, 0.003);
     }
 }
