@@ -91,10 +91,10 @@ Triangle load(View view, uint triangle) {
 }
 
 // The point of the face's plane at distance 1 in a texel's centre. Row 0 is at the top.
-vec2 texel_centre(ivec2 at) { return ((vec2(at) + 0.5) * (2.0 / float(SIZE)) - 1.0) * vec2(1.0, -1.0); }
+vec2 texel_centre(vec2 at) { return ((at + 0.5) * (2.0 / float(SIZE)) - 1.0) * vec2(1.0, -1.0); }
 
 // Direction of a place in the square, in face coordinates: of length 1 on the disc, of depth 1 on a face.
-vec3 direction_of(ivec2 at) {
+vec3 direction_of(vec2 at) {
     vec2 p = texel_centre(at);
     return vec3(p, IS_DISC != 0 ? sqrt(max(1.0 - dot(p, p), 0.0)) : 1.0);
 }
@@ -103,7 +103,7 @@ vec3 direction_of(ivec2 at) {
 struct Spot { vec3 way; uint key; };
 
 Spot spot_of(uint i) {
-    if (IS_DISC == 0) return Spot(direction_of(ivec2(i % SIZE, i / SIZE)), i);
+    if (IS_DISC == 0) return Spot(direction_of(vec2(i % SIZE, i / SIZE)), i);
     vec4 texel = texelFetch(texel_table, int(i));  // direction, place in the square (bits)
     return Spot(texel.xyz, floatBitsToUint(texel.w));
 }

@@ -1,23 +1,20 @@
 // Draws a triangle: row by row of texels between its sides. Wants `keys`, `masks`, Depths and Push.sphere.
 
-struct Texels { ivec2 low, high; };  // both ends included
-
-const Texels NO_TEXELS = Texels(ivec2(0), ivec2(-1));
+struct Texels { vec2 low, high; };  // whole numbers, both ends included; none where low is beyond high
 
 bool is_empty(Texels texels) { return any(greaterThan(texels.low, texels.high)); }
 
 // The face's own rows: above the horizon on the sides.
 uint rows(uint face) { return face == 0 ? SIZE : SIZE / 2; }
 
-Texels whole(uint face) { return Texels(ivec2(0), ivec2(SIZE, rows(face)) - 1); }
+Texels whole(uint face) { return Texels(vec2(0.0), vec2(SIZE, rows(face)) - 1.0); }
 
 // Texels whose centres lie within [least, most] of the plane at distance 1, or a hair beyond: rounding must not lose one.
 Texels texels_within(uint face, vec2 least, vec2 most) {
     vec2 from = (vec2(least.x, -most.y) + 1.0) * (0.5 * float(SIZE)) - 0.501;
     vec2 to = (vec2(most.x, -least.y) + 1.0) * (0.5 * float(SIZE)) - 0.499;
     Texels all = whole(face);
-    return Texels(max(all.low, ivec2(ceil(clamp(from, vec2(-1.0), vec2(float(SIZE)))))),
-                  min(all.high, ivec2(floor(clamp(to, vec2(-1.0), vec2(float(SIZE)))))));
+    return Texels(max(all.low, ceil(from)), min(all.high, floor(to)));
 }
 
 // Whether texels of a face may see a box from the frame's origin. Face coordinates.
@@ -25,8 +22,9 @@ bool sees_on_face(uint face, vec3 low, vec3 high) {
     bool ahead = high.z > 0.0 && low.x <= high.z && -high.x <= high.z && low.y <= high.z
         && -high.y <= (face == 0 ? high.z : 0.0);
     // Bounds of the box's image, where it lies ahead as a whole: on a face of width 2.
-    vec2 least = low.xy / mix(vec2(high.z), vec2(low.z), lessThan(low.xy, vec2(0.0)));
-    vec2 most = high.xy / mix(vec2(high.z), vec2(low.z), greaterThan(high.xy, vec2(0.0)));
+    vec2 inverse = 1.0 / vec2(low.z, high.z);
+    vec2 least = low.xy * mix(inverse.yy, inverse.xx, lessThan(low.xy, vec2(0.0)));
+    vec2 most = high.xy * mix(inverse.yy, inverse.xx, greaterThan(high.xy, vec2(0.0)));
     return ahead && (low.z <= 0.0 || !is_empty(texels_within(face, least, most)));
 }
 
@@ -56,29 +54,7 @@ uint depth_key(float z, Depths depths) {
     return uint(min(bits * depths.steps, float((1u << DEPTH_BITS) - 1)));
 }
 
-bool outside(Triangle t, uint face) {
-    vec3 x = vec3(t.a.x, t.b.x, t.c.x), y = vec3(t.a.y, t.b.y, t.c.y), z = vec3(t.a.z, t.b.z, t.c.z);
-    if (IS_DISC != 0) return all(lessThanEqual(z, vec3(0.0)));
-    bool below = face > 0 && all(lessThan(y, vec3(0.0)));
-    return below || all(lessThanEqual(z, vec3(0.0))) || all(greaterThan(x, z)) || all(lessThan(x, -z))
-        || all(greaterThan(y, z)) || all(lessThan(y, -z));
-}
-
 const float FAR = 1e30;
-
-// Takes into the bounds of a triangle's image the corner `a`, if it lies ahead, and if the side from there to `b` passes the
-// face's own plane, all that lies beyond on that side: the image goes on without end.
-void include(vec3 a, vec3 b, inout vec2 least, inout vec2 most) {
-    if (a.z > 0.0) {
-        least = min(least, a.xy / a.z);
-        most = max(most, a.xy / a.z);
-    }
-    if ((a.z > 0.0) != (b.z > 0.0)) {
-        vec2 from = a.xy * abs(b.z), to = b.xy * abs(a.z), along = from + to, unsure = 1e-5 * (abs(from) + abs(to));
-        least = mix(least, vec2(-FAR), lessThanEqual(along, unsure));
-        most = mix(most, vec2(FAR), greaterThanEqual(along, -unsure));
-    }
-}
 
 // On the sphere a triangle's points are those p of the flat one between the corners' directions, divided by |p|. None is
 // nearer than the flat one's extent along a direction, so that p/|p| lies between p and p divided by that.
@@ -90,14 +66,26 @@ Texels bounds_on_disc(Triangle t) {
     return texels_within(0, min(least, least / nearest), max(most, most / nearest));
 }
 
+float least_of(vec3 v) { return min(v.x, min(v.y, v.z)); }
+
+float most_of(vec3 v) { return max(v.x, max(v.y, v.z)); }
+
+// Of a coordinate over the corners, the range of its ratios to z. Where the face's own plane cuts the triangle the image goes
+// on without end, to either side that the triangle has corners on.
+vec2 range(vec3 x, vec3 inverse_z, bvec3 ahead, bool is_cut) {
+    vec3 at = x * inverse_z;
+    float least = least_of(mix(vec3(FAR), at, ahead)), most = most_of(mix(vec3(-FAR), at, ahead));
+    return vec2(is_cut && least_of(x) < 0.0 ? -FAR : least, is_cut && most_of(x) > 0.0 ? FAR : most);
+}
+
 Texels bounds(Triangle t, uint face) {
-    if (outside(t, face)) return NO_TEXELS;
     if (IS_DISC != 0) return bounds_on_disc(t);
-    vec2 least = vec2(FAR), most = vec2(-FAR);
-    include(t.a, t.b, least, most);
-    include(t.b, t.c, least, most);
-    include(t.c, t.a, least, most);
-    return texels_within(face, least, most);
+    vec3 z = vec3(t.a.z, t.b.z, t.c.z), inverse = 1.0 / z;
+    bvec3 ahead = greaterThan(z, vec3(0.0));
+    bool is_cut = any(ahead) && !all(ahead);
+    vec2 x = range(vec3(t.a.x, t.b.x, t.c.x), inverse, ahead, is_cut);
+    vec2 y = range(vec3(t.a.y, t.b.y, t.c.y), inverse, ahead, is_cut);
+    return texels_within(face, vec2(x.x, y.x), vec2(x.y, y.y));
 }
 
 // Columns where a triangle's sides cross the rows of texels, as a function of the row's height.
@@ -105,24 +93,18 @@ struct Sides { vec3 slope, offset; bvec3 is_left; };
 
 // Of sides as signed volumes (x, y, z), positive within. With a grain to spare: what is within must not be lost.
 Sides sides_of(vec3 x, vec3 y, vec3 z) {
-    // A side along the rows bounds none of them.
-    bvec3 is_bound = greaterThan(abs(x), 1e-6 * (abs(y) + abs(z)));
-    vec3 inverse = -1.0 / mix(vec3(1.0), x, is_bound), slope = y * inverse, offset = z * inverse;
-    bvec3 is_left = bvec3(x.x > 0.0, x.y > 0.0, x.z > 0.0);
-    vec3 spare = 0.01 + 1e-6 * float(SIZE) * (abs(slope) + abs(offset));
-    slope *= 0.5 * float(SIZE);
-    offset = 0.5 * float(SIZE) * (offset + 1.0) - 0.5 + mix(spare, -spare, is_left);
-    return Sides(mix(vec3(0.0), slope, is_bound), mix(mix(vec3(FAR), vec3(-FAR), is_left), offset, is_bound), is_left);
+    bvec3 is_left = greaterThan(x, vec3(0.0));
+    vec3 size = max(abs(x), 1e-6 * (abs(y) + abs(z))), inverse = (-0.5 * float(SIZE)) / mix(-size, size, is_left);
+    vec3 slope = y * inverse, offset = z * inverse, spare = 0.01 + 2e-6 * (abs(slope) + abs(offset));
+    return Sides(slope, offset + (0.5 * float(SIZE) - 0.5) + mix(spare, -spare, is_left), is_left);
 }
 
 // First and last column between the sides. On the disc these are arcs, and nothing but the bounds bounds a row.
-ivec2 columns(Sides sides, Texels within, float y) {
-    if (IS_DISC != 0) return ivec2(within.low.x, within.high.x);
+vec2 columns(Sides sides, Texels within, float y) {
+    if (IS_DISC != 0) return vec2(within.low.x, within.high.x);
     vec3 at = sides.slope * y + sides.offset;
     vec3 left = mix(vec3(-FAR), at, sides.is_left), right = mix(at, vec3(FAR), sides.is_left);
-    float from = max(left.x, max(left.y, left.z)), to = min(right.x, min(right.y, right.z));
-    ivec2 between = ivec2(ceil(clamp(from, -1.0, float(SIZE))), floor(clamp(to, -1.0, float(SIZE))));
-    return ivec2(max(within.low.x, between.x), min(within.high.x, between.y));
+    return vec2(max(within.low.x, ceil(most_of(left))), min(within.high.x, floor(least_of(right))));
 }
 
 // On which side of an edge a direction lies: exactly the negative for the edge in the other sense.
@@ -141,23 +123,22 @@ void rasterise(Triangle t, Texels within, Depths depths, uint id) {
     ea *= turn;
     eb *= turn;
     ec *= turn;
-    vec3 normal = ea + eb + ec;
     Sides sides = sides_of(vec3(ea.x, eb.x, ec.x), vec3(ea.y, eb.y, ec.y), vec3(ea.z, eb.z, ec.z));
-    ivec2 at = ivec2(0, within.low.y - 1);
-    int last = -1;  // column of the row
-    if (is_empty(within) || volume == 0.0) within.high.y = -1;
+    vec2 at = vec2(0.0, within.low.y - 1.0);
+    float last = -1.0;  // column of the row
+    if (is_empty(within) || volume == 0.0) within.high.y = -1.0;
     while (at.y < within.high.y || (at.y == within.high.y && at.x <= last)) {
         if (at.x > last) {
             ++at.y;
-            ivec2 between = columns(sides, within, texel_centre(at).y);
+            vec2 between = columns(sides, within, texel_centre(at).y);
             at.x = between.x;
             last = between.y;
         }
         vec3 way = direction_of(at), side = vec3(side_of(ea, way), side_of(eb, way), side_of(ec, way));
-        float sum = dot(normal, way), z = volume / sum;
-        bool drawn = at.x <= last && all(greaterThanEqual(side, vec3(0.0))) && sum > 0.0;
+        float sum = side.x + side.y + side.z, z = volume / sum;
+        bool drawn = at.x <= last && least_of(side) >= 0.0 && sum > 0.0;
         if (HAS_MASKS != 0) drawn = drawn && is_present(t.mask, side.yz / sum);
-        if (drawn) atomicMin(keys[at.y * int(SIZE) + at.x], (depth_key(z, depths) << ID_BITS) | id);
+        if (drawn) atomicMin(keys[uint(at.y * float(SIZE) + at.x)], (depth_key(z, depths) << ID_BITS) | id);
         ++at.x;
     }
 }
