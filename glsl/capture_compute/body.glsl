@@ -56,6 +56,7 @@ layout(push_constant) uniform Push {
 
 const uint OCTET = 8;  // triangles that are drawn side by side; children of a node
 const uint NOTHING = 0xffffffffu;
+const uint BELOW = 1;  // the horizon: nearer than all that has a name, and no name itself
 // A key is the logarithm of depth in the upper bits; then the entry of the triangle's octet in the list, plus 1, and
 // its place in it. Entry 0 are triangles whose numbers are kept elsewhere meanwhile: the list is used again and again, so
 // that any number of triangles has a name.
@@ -150,7 +151,7 @@ Sight see(View view, uint key, uint triangle, vec3 way) {
 
 // Number of the triangle that a texel sees, plus 1; 0 for none.
 uint triangle_at(uint i, uint key, uint first) {
-    if (key == NOTHING) return 0;
+    if (key == NOTHING || key == BELOW) return 0;
     uint id = key & ((1 << ID_BITS) - 1);
     return id < OCTET ? meanwhile(first + i) : triangle_of(id) + 1;
 }
@@ -159,7 +160,7 @@ uint triangle_at(uint i, uint key, uint first) {
 void retire(uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         uint at = spot_of(i).key, key = keys[at];
-        if (key == NOTHING) continue;
+        if (key == NOTHING || key == BELOW) continue;
         keep(first + i, triangle_at(i, key, first));
         keys[at] = key >> ID_BITS << ID_BITS;
     }
@@ -186,13 +187,12 @@ void draw(View view, uint texels, uint first) {
     }
 }
 
-void clear(View view, uint texels, uint first) {
+void clear(View view, uint texels) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         Spot spot = spot_of(i);
         bool above = dot(spot.way * view.axes, view.frame.horizon.xyz) > 0.0;
         // Below the horizon nothing is nearer than the nothing that is there already.
-        keys[spot.key] = above ? NOTHING : 0;
-        if (!above) keep(first + i, 0);
+        keys[spot.key] = above ? NOTHING : BELOW;
     }
 }
 
@@ -210,7 +210,7 @@ void main() {
     View view = View(face, world_axes(face, frame), frame, depths_from(frame.origin.xyz));
     uint texels = IS_DISC != 0 ? push.texel_count : SIZE * rows(face);
     uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * SIZE + (face - 1) * (SIZE * SIZE / 2));
-    clear(view, texels, first);
+    clear(view, texels);
     meet();
     draw(view, texels, first);
     tell(view, texels, first);
