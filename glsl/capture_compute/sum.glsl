@@ -84,10 +84,21 @@ void put_part(inout uint at, Part part, vec3 slope_x, vec3 slope_y) {
 // Of the plane, from a texel's centre to its edges to the right and below.
 vec2 to_edges(vec3 plane) { return vec2(plane.x, -plane.y) / float(SIZE); }
 
-void leave_at_border(uint at, Seen seen, vec3 plane) {
-    gathered[STRIDE * at] = seen.light;
-    if (HAS_SKY != 0) gathered[STRIDE * at + 1] = vec4(seen.beyond, 0.0);
-    gathered[STRIDE * at + STRIDE - 1] = vec4(plane, 0.0);
+// Of a face's texels those at its border. They are looked at once more: some devices take as long to pass over a write as to
+// do it, and most texels have none.
+void leave_at_border(View view, uint first, uint record) {
+    const uint upper = 4 * (SIZE - 1);
+    uint of_side = (push.border_count - upper) / 4, from = view.face == 0 ? 0 : upper + (view.face - 1) * of_side;
+    uint count = view.face == 0 ? upper : of_side;
+    for (uint j = gl_LocalInvocationID.x; j < count; j += THREADS) {
+        vec4 place = texelFetch(texel_table, int(4 * push.texel_count + from + j));  // in the face, among all at borders (bits)
+        uint i = floatBitsToUint(place.x), at = STRIDE * (record * push.border_count + floatBitsToUint(place.y));
+        uint key = keys[i];
+        Sight sight = see(view, key, triangle_at(i, key, first), spot_of(i).way);
+        gathered[at] = vec4(sight.light, sight.inverse_distance);
+        if (HAS_SKY != 0) gathered[at + 1] = vec4(sight.beyond, 0.0);
+        gathered[at + STRIDE - 1] = vec4(sight.plane * local_axes(view.face), 0.0);
+    }
 }
 
 #include "capture_compute/outlines.glsl"
@@ -98,6 +109,7 @@ void tell(View view, uint texels, uint first) {
     Seen nothing = Seen(vec4(0.0), vec3(0.0), vec2(0.0));
     Seen above[LONGEST_ROW] = Seen[LONGEST_ROW](nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing);
     uint me = gl_LocalInvocationID.x, record = first / push.texel_count, base = first % push.texel_count;
+    if (HAS_TRANSLATION != 0) leave_at_border(view, first, record);
     for (uint i = me; i < texels; i += THREADS) {
         uint key = keys[i];
         vec3 way = spot_of(i).way;
@@ -131,8 +143,6 @@ void tell(View view, uint texels, uint first) {
         if (ROW > 2) above[2] = above[1];
         if (ROW > 1) above[1] = above[0];
         above[0] = now;
-        uint border = floatBitsToUint(weight.w);
-        if (border != 0) leave_at_border(record * push.border_count + border - 1, now, sight.plane * local_axes(view.face));
     }
     if (HAS_OUTLINES != 0) correct_outlines(view, texels, base, slide);
     uint to = FACES * THREADS * SUMS * record + THREADS * view.face + me;

@@ -124,19 +124,25 @@ impl Looks {
         self.table.texels.iter().map(spot).collect()
     }
 
-    fn face_texels(&self, faces: &Faces) -> Vec<FaceTexel> {
+    /// Of each texel what its face is summed by; then of those at borders, face by face, place in the face and number (bits).
+    fn face_texels(&self, faces: &Faces) -> Vec<[f32; 4]> {
         let edge = |edge: &Option<Edge>| {
             let Some(edge) = edge else { return ([0.0; 4], [0.0; 2]) };
             let (step, bend) = (edge.step.as_vec3(), edge.bend().as_vec3());
             let closeness = self.table.between(edge).length_recip() as f32;
             ([step.x, step.y, closeness, bend.x], [bend.y, bend.z])
         };
-        let texel = |((t, edges), border): ((&Texel, &[Option<Edge>; 2]), &Option<u32>)| {
-            let (turn, border) = (t.turn().as_vec3(), f32::from_bits(border.map_or(0, |number| number + 1)));
+        let texel = |(t, edges): (&Texel, &[Option<Edge>; 2])| {
+            let turn = t.turn().as_vec3();
             let [(left, [a, b]), (up, [c, d])] = edges.each_ref().map(edge);
-            FaceTexel { weights: [t.weight() as f32, turn.x, turn.y, border], left, up, bend: [a, b, c, d] }
+            FaceTexel { weights: [t.weight() as f32, turn.x, turn.y, 0.0], left, up, bend: [a, b, c, d] }
         };
-        self.table.texels.iter().zip(&faces.inner).zip(&faces.border).map(texel).collect()
+        let texels: Vec<FaceTexel> = self.table.texels.iter().zip(&faces.inner).map(texel).collect();
+        let place = |(t, number): (&Texel, &Option<u32>)| {
+            number.map(|number| [t.y * self.size + t.x, number, 0, 0].map(f32::from_bits))
+        };
+        let places = self.table.texels.iter().zip(&faces.border).filter_map(place);
+        bytemuck::cast_slice(&texels).iter().copied().chain(places).collect()
     }
 }
 

@@ -110,7 +110,7 @@ pub struct Edge {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct FaceTexel {
-    /// Cosine-weighted solid angle; ∫ n×ω dω (x, y); number plus 1 among those at borders, or 0 (bits).
+    /// Cosine-weighted solid angle; ∫ n×ω dω (x, y).
     pub weights: [f32; 4],
     /// Edge to the left: factor of the translation gradient, local (x, y); 1/distance of its middle; factor of ∂²E/∂x².
     pub left: [f32; 4],
