@@ -165,11 +165,11 @@ fn frame_of(scene: &Scene, camera: &Camera, capture: CaptureMode) -> hemicube::r
     rendered
 }
 
-/// The built-in box, cut so small that what is far of a record is not drawn with what is near.
+/// The built-in box, cut so small that what is far of a record is not drawn with what is near, and outlines are not followed.
 fn cut_cornell() -> (Scene, Camera) {
     let scene = cornell();
     let camera = scene.camera(None).unwrap().0;
-    (tessellated(&scene, 3), camera)
+    (tessellated(&scene, 4), camera)
 }
 
 /// Where all is nearer than what is to be seen as slices, the same records come out as without them, to the rounding of another
