@@ -55,7 +55,7 @@ impl Default for Settings {
                 accuracy: 0.3,
                 capture: CaptureMode::Auto,
                 capture_size: 32,
-                lod_error: 0.03,
+                lod_error: 0.04,
                 share_views: false,
                 gradients: Gradients { rotation: true, translation: true },
                 radius: Radius::Hessian,
