@@ -149,9 +149,12 @@ Sight see(View view, uint key, uint triangle, vec3 way) {
 #include "capture_compute/gather.glsl"
 #endif
 
+// Whether a texel sees no triangle.
+bool sees_none(uint key) { return key == NOTHING || key == BELOW; }
+
 // Number of the triangle that a texel sees, plus 1; 0 for none.
 uint triangle_at(uint i, uint key, uint first) {
-    if (key == NOTHING || key == BELOW) return 0;
+    if (sees_none(key)) return 0;
     uint id = key & ((1 << ID_BITS) - 1);
     return id < OCTET ? meanwhile(first + i) : triangle_of(id) + 1;
 }
@@ -160,7 +163,7 @@ uint triangle_at(uint i, uint key, uint first) {
 void retire(uint texels, uint first) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         uint at = spot_of(i).key, key = keys[at];
-        if (key == NOTHING || key == BELOW) continue;
+        if (sees_none(key)) continue;
         keep(first + i, triangle_at(i, key, first));
         keys[at] = key >> ID_BITS << ID_BITS;
     }

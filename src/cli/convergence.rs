@@ -12,7 +12,7 @@ mod truth;
 
 use super::say::remark;
 use anyhow::{Context, Result, ensure};
-pub use args::{CaptureArg, ConvergenceArgs, GradientsArg, MethodArg};
+pub use args::{ConvergenceArgs, MethodArg};
 use eta::Eta;
 use folder::Folder;
 use hemicube::reference::{Tracer, View, process_time};

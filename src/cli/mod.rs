@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost.
 
+mod choices;
 mod common;
 mod compare;
 mod convergence;

@@ -4,6 +4,7 @@ mod draw;
 mod report;
 mod setup;
 
+use super::choices::{GradientsArg, WeightArg};
 use super::common::{ImageArgs, SceneArgs};
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
@@ -132,28 +133,6 @@ pub enum Method {
 pub enum Show {
     /// The pixels whose surface carries a record (--method ward)
     Records,
-}
-
-/// Command-line names of [`Weight`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum WeightArg {
-    /// Ward 1988
-    Ward,
-    /// Bounded, after Tabellion and Lamorlette 2004
-    Bounded,
-}
-
-/// Command-line names of [`Gradients`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum GradientsArg {
-    /// None
-    None,
-    /// With the normal
-    Rotation,
-    /// With the place
-    Translation,
-    /// With both
-    Both,
 }
 
 /// Runs the subcommand.

@@ -4,7 +4,7 @@ use super::Ground;
 use crate::math::adjacency;
 use crate::math::capture::Projection;
 use crate::math::slices::Grid;
-use crate::passes::capture::{Capture, CaptureDesc, Views, pays_to_cull};
+use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
 use crate::passes::capture_compute::{CaptureCompute, Far, Looks};
 use crate::passes::cluster_tree::TreeSize;
 use crate::passes::counter::Counter;
@@ -12,6 +12,7 @@ use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::geometry::Geometry;
 use crate::passes::integrate::{Captured, CapturedBy};
 use crate::passes::slices::Slices;
+use crate::passes::views::Views;
 use crate::scene::Scene;
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Result};
@@ -87,14 +88,18 @@ impl CaptureMode {
 
     /// Why captures of `scene` at `size` texels a side do not run in compute; none if they are to and can.
     pub fn against_compute(self, device: &Device, scene: &Scene, size: u32) -> Option<String> {
+        self.against_any_compute(device, scene, size).or_else(|| TreeSize::exact(scene.triangles.len()).misfit(device))
+    }
+
+    /// The same, whether or not the device holds the scene's triangles.
+    pub fn against_any_compute(self, device: &Device, scene: &Scene, size: u32) -> Option<String> {
         match self {
             Self::Auto if !device.is_cpu() => Some("the device is a GPU, which is faster by render passes".into()),
             Self::Hemicube => Some("hemicubes by render passes are asked for".into()),
             Self::Plane { .. } => Some("planes are captured by render passes".into()),
             Self::Hemisphere => Some("hemispheres are captured by render passes".into()),
             _ => CaptureCompute::misfit(device, scene, self.projection(), size)
-                .or_else(|| Slices::misfit(device, &self.far(scene.bounds().into())?.grid))
-                .or_else(|| TreeSize::exact(scene.triangles.len()).misfit(device).filter(|_| !self.wants_compute())),
+                .or_else(|| Slices::misfit(device, &self.far(scene.bounds().into())?.grid)),
         }
     }
 

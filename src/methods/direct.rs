@@ -2,8 +2,7 @@
 
 use super::Ground;
 use super::casters::Casters;
-use super::emitter_samples::Face;
-pub use super::light_samples::{Extent, LightKind, LightSet, LightSettings, TooManyLights, light_sets};
+use super::light_set::{Face, LightSet};
 use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;

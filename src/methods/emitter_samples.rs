@@ -1,7 +1,6 @@
 //! Emissive triangles as samples: where their shadows are looked from, and which samples belong to which triangle.
 
-pub use super::light_set::Face;
-use super::light_set::{Extent, LightSet, NEAR, brightness, frame, with};
+use super::light_set::{Extent, Face, LightSet, NEAR, brightness, frame, with};
 use crate::math::sequence::triangle_point;
 use crate::scene::{Emitter, Scene};
 use crate::vk::gpu_types::LightSample;

@@ -4,11 +4,10 @@
 //! the surface cells alone, is a set of parallel lights; pixels see it by their records' captures.
 
 use super::emitter_samples::add_emitters;
-pub use super::light_set::{Extent, LightSet, LightSettings};
-use super::light_set::{NEAR, frame, parallel_frame, parallel_sample, with};
+use super::light_set::{Extent, LightSet, LightSettings, NEAR, frame, parallel_frame, parallel_sample, with};
 use super::sky::{SKY_SHADOW_SIZE, add_sky, sky_stride};
-use crate::passes::capture::Views;
-pub use crate::passes::shadow::LightKind;
+use crate::passes::shadow::LightKind;
+use crate::passes::views::Views;
 use crate::scene::{Light, Scene};
 use crate::vk::gpu_types::LightSample;
 use glam::Vec3;

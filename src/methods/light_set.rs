@@ -1,7 +1,7 @@
 //! Sets of light samples that are drawn alike, and the frames that their shadows are looked at from.
 
-use crate::passes::capture::Views;
 use crate::passes::shadow::LightKind;
+use crate::passes::views::Views;
 use crate::vk::gpu_types::{EmitterFace, Frame, LightSample};
 use glam::{Vec3, Vec4};
 use std::ops::Range;

@@ -6,10 +6,12 @@
 
 use super::captures::{CaptureMode, CaptureSettings, Captures, LIFT, NEAR, NoSlices};
 use super::casters::Casters;
-use super::direct::{DirectLight, Extent, LightSettings, TooManyLights, light_sets};
+use super::direct::DirectLight;
+use super::light_samples::{TooManyLights, light_sets};
+use super::light_set::{Extent, LightSettings};
 use super::{Ground, upload_sky};
 use crate::math::cells;
-use crate::passes::cluster_tree::{Detail, TreeSize};
+use crate::passes::cluster_tree::Detail;
 use crate::passes::geometry::{CellBudget, Geometry};
 use crate::passes::integrate::{Gradients, Integrate, Limits, Radius};
 use crate::passes::material::Textures;
@@ -121,8 +123,7 @@ impl<'a> Probes<'a> {
         let size = settings.capture_size;
         settings.capture.check(device, scene, size)?;
         let textures = Textures::new(device, scene)?;
-        let fits = TreeSize::exact(scene.triangles.len()).misfit(device).is_none();
-        let in_compute = fits && settings.capture.against_compute(device, scene, size).is_none();
+        let in_compute = settings.capture.against_compute(device, scene, size).is_none();
         let geometry = Geometry::new(
             device,
             scene,

@@ -6,14 +6,16 @@
 use super::Ground;
 use super::captures::{CaptureMode, CaptureSettings, Captures};
 use crate::math::capture::Projection;
-use crate::passes::capture::{Capture, CaptureDesc, Views};
+use crate::passes::capture::{Capture, CaptureDesc};
 use crate::passes::capture_compute::CaptureCompute;
+use crate::passes::cluster_tree::Detail;
 use crate::passes::counter::Counter;
 use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::gbuffer::GBuffer;
-use crate::passes::geometry::{CellBudget, Detail, Geometry};
+use crate::passes::geometry::{CellBudget, Geometry};
 use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits, Radius};
 use crate::passes::splat::{Outputs, Splat, View, Weight};
+use crate::passes::views::Views;
 use crate::scene::Scene;
 use crate::scene::build::{Builder, Facing, diffuse};
 use crate::vk::gpu_types::{Frame, Payload, Record};

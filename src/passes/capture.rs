@@ -13,7 +13,7 @@ use super::cull::Cull;
 use super::fan_on;
 use super::geometry::{DrawRange, Geometry};
 use super::material::Textures;
-pub use super::views::Views;
+use super::views::Views;
 use crate::scene::Scene;
 use crate::vk::gpu_types::Frame;
 use crate::vk::{

@@ -153,19 +153,19 @@ impl Arranged {
 
 impl ClusterTree {
     /// Uploads what was arranged.
-    pub fn new(device: &Arc<Device>, arranged: &Arranged) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, arranged: Arranged) -> Result<Self> {
         let Arranged { root, octets, nodes, corners, order, masks, shown_cell, .. } = arranged;
-        let new_masks = || TexelBuffer::with_data(device, "alpha masks", masks);
-        let shown = |cells: &Vec<u32>| Buffer::with_data(device, "coarse cells", cells);
+        let new_masks = || TexelBuffer::with_data(device, "alpha masks", &masks);
+        let shown = |cells: Vec<u32>| Buffer::with_data(device, "coarse cells", &cells);
         Ok(Self {
-            root: *root,
+            root,
             clusters: (corners.len() / CLUSTER as usize) as u32,
-            octets: TexelBuffer::with_data(device, "cluster bounds", octets)?,
-            nodes: TexelBuffer::with_data(device, "cluster bounds", nodes)?,
-            corners: TexelBuffer::with_data(device, "capture corners", corners)?,
-            order: order.clone(),
+            octets: TexelBuffer::with_data(device, "cluster bounds", &octets)?,
+            nodes: TexelBuffer::with_data(device, "cluster bounds", &nodes)?,
+            corners: TexelBuffer::with_data(device, "capture corners", &corners)?,
+            order,
             masks: (!masks.is_empty()).then(new_masks).transpose()?,
-            shown_cell: shown_cell.as_ref().map(shown).transpose()?,
+            shown_cell: shown_cell.map(shown).transpose()?,
         })
     }
 

@@ -9,8 +9,7 @@ pub use arrangement::Arrangement;
 pub use cells::{CellBudget, count as cell_count};
 pub use needs::{Need, SurfaceSize, needs};
 
-use super::cluster_tree::ClusterTree;
-pub use super::cluster_tree::Detail;
+use super::cluster_tree::{ClusterTree, Detail};
 use crate::math::{adjacency, levels};
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
@@ -110,7 +109,7 @@ impl Geometry {
     /// Uploads `scene`, whose surface was arranged.
     pub fn of(device: &Arc<Device>, scene: &Scene, arrangement: Arrangement) -> Result<Self> {
         let Arrangement { order, spheres, first_cell, cell_triangle, part_cells, tree } = arrangement;
-        let tree = tree.map(|tree| ClusterTree::new(device, &tree)).transpose()?;
+        let tree = tree.map(|tree| ClusterTree::new(device, tree)).transpose()?;
         let triangles = &order.triangles;
         let positions: Vec<[f32; 3]> = scene.positions.iter().map(|p| p.to_array()).collect();
         let normals: Vec<u32> = scene.normals.iter().map(|n| oct_encode(*n)).collect();

@@ -94,10 +94,7 @@ impl Plan {
         let why = if settings.bounces == 0 { "no bounces are asked for" } else { "nothing shines" };
         plan.part("surface_light", indirect, why);
         let cache = &settings.cache;
-        let against_compute = match device {
-            Some(device) => cache.capture.against_compute(device, scene, cache.capture_size),
-            None => Some("a CPU's captures, and no device is chosen yet".into()),
-        };
+        let against_compute = settings.against_compute(scene, device);
         plan.compute = plan.captures && against_compute.is_none();
         for pass in ["find_uncovered", "place_records"] {
             plan.part(pass, plan.captures, why);

@@ -4,7 +4,7 @@ use crate::math::capture::Projection;
 use crate::math::density::Eye;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
-use crate::methods::light_samples::LightSettings;
+use crate::methods::light_set::LightSettings;
 use crate::passes::integrate::{Gradients, Radius};
 use crate::passes::resolve::Plane;
 use crate::passes::splat::Weight;
@@ -101,10 +101,20 @@ impl Settings {
 
     /// As a share of the scene's diagonal, where triangles are to be cut for captures or as settings say.
     fn longest_side(&self, scene: &Scene, device: Option<&Device>) -> Option<f32> {
-        let CacheSettings { capture, capture_size, .. } = self.cache;
-        let by_passes = || device.is_none_or(|device| capture.against_compute(device, scene, capture_size).is_some());
-        let is_curved = capture.projection() == Projection::Hemisphere && by_passes();
+        let is_disc = self.cache.capture.projection() == Projection::Hemisphere;
+        let is_curved = is_disc && self.against_compute(scene, device).is_some();
         self.tessellation.or(is_curved.then_some(HEMISPHERE_SIDE))
+    }
+
+    /// Why captures of `scene` do not run in compute, if so. Who asks for compute whatever the scene's size is refused where the
+    /// device does not hold it, by [`super::check_memory`].
+    pub(super) fn against_compute(&self, scene: &Scene, device: Option<&Device>) -> Option<String> {
+        let CacheSettings { capture, capture_size, .. } = self.cache;
+        match device {
+            None => Some("a CPU's captures, and no device is chosen yet".into()),
+            Some(device) if capture.wants_compute() => capture.against_any_compute(device, scene, capture_size),
+            Some(device) => capture.against_compute(device, scene, capture_size),
+        }
     }
 
     /// Refuses what cannot be rendered, before anything is built.

@@ -1,5 +1,6 @@
 //! The arguments of `hemicube convergence`.
 
+use crate::cli::choices::{CaptureArg, GradientsArg};
 use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -76,8 +77,8 @@ pub struct Lists {
     /// Texels a side of a record's capture (a hemicube's top)
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub capture_size: Vec<u32>,
-    /// How records look at the scene
-    #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
+    /// How records look at the scene, each way in its usual settings
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = CaptureArg::by_name())]
     pub capture: Vec<CaptureArg>,
     /// Gradients of splatted records
     #[arg(long, value_enum, value_name = "LIST", value_delimiter = ',')]
@@ -123,32 +124,6 @@ pub enum MethodArg {
     Path,
 }
 
-/// `--capture`
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum CaptureArg {
-    /// Multi-view hemicubes by render passes
-    Hemicube,
-    /// One perspective view, with border compensation
-    Plane,
-    /// One view projected onto the disc below the hemisphere
-    Hemisphere,
-    /// Hemicubes rasterised in compute
-    Compute,
-    /// The hemisphere's projection rasterised in compute
-    ComputeHemisphere,
-    /// Hemicubes in compute of what is near, slices of voxels for what is far
-    Slices,
-}
-
-/// `--gradients`
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum GradientsArg {
-    /// Constant irradiance in each zone
-    None,
-    /// By the normal's turn and the point's move
-    Both,
-}
-
 /// `--error`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
@@ -161,28 +136,6 @@ pub enum ErrorArg {
     Rms,
     /// 99th percentile of the relative error
     P99,
-}
-
-impl CaptureArg {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hemicube => "hemicube",
-            Self::Plane => "plane",
-            Self::Hemisphere => "hemisphere",
-            Self::Compute => "compute",
-            Self::ComputeHemisphere => "compute-hemisphere",
-            Self::Slices => "slices",
-        }
-    }
-}
-
-impl GradientsArg {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Both => "both",
-        }
-    }
 }
 
 impl ErrorArg {

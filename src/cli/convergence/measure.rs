@@ -1,8 +1,9 @@
 //! Runs one point, several times over, and says what it cost.
 
+use super::ConvergenceArgs;
 use super::task::{DIRECT_SPP, PATH_SEED, Task};
 use super::truth::Truth;
-use super::{CaptureArg, ConvergenceArgs};
+use crate::cli::choices::CaptureArg;
 use anyhow::{Result, bail};
 use hemicube::image::metrics::{measure, measure_flip};
 use hemicube::image::{Kind, Layer, Picture};

@@ -1,7 +1,7 @@
 //! What is measured: methods times settings.
 
-use super::{CaptureArg, ConvergenceArgs, GradientsArg, MethodArg};
-use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE, SLICES, SLICES_NEAR};
+use super::{ConvergenceArgs, MethodArg};
+use crate::cli::choices::{CaptureArg, CaptureOptions, GradientsArg, name_of};
 use hemicube::passes::integrate::Gradients;
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -26,7 +26,7 @@ pub enum Task {
         capture: CaptureArg,
         /// Texels a side.
         size: u32,
-        /// With both gradients, or with none.
+        /// Gradients that records are extrapolated with.
         gradients: GradientsArg,
     },
     /// Ward's cache on the CPU.
@@ -88,17 +88,10 @@ impl Task {
         if let Self::Splatting { accuracy, capture, size, gradients } = *self {
             settings.cache.accuracy = accuracy as f32;
             settings.cache.capture_size = size;
-            settings.cache.capture = match capture {
-                CaptureArg::Hemicube => CaptureMode::Hemicube,
-                CaptureArg::Plane => CaptureMode::Plane { aperture: PLANE_APERTURE, compensated: true },
-                CaptureArg::Hemisphere => CaptureMode::Hemisphere,
-                CaptureArg::Compute => CaptureMode::Compute,
-                CaptureArg::ComputeHemisphere => CaptureMode::ComputeHemisphere,
-                CaptureArg::Slices => CaptureMode::Slices { across: SLICES, near: SLICES_NEAR },
-            };
-            let both = gradients == GradientsArg::Both;
-            settings.cache.gradients = Gradients { rotation: both, translation: both };
-            if !both {
+            settings.cache.capture = capture.mode(&CaptureOptions::default());
+            let [rotation, translation] = gradients.has();
+            settings.cache.gradients = Gradients { rotation, translation };
+            if gradients != GradientsArg::Both {
                 // Records disagree everywhere: more of them would be no answer.
                 settings.cache.contrast = 0.0;
             }
@@ -122,7 +115,7 @@ fn splatting_settings(task: &Task, size: (u32, u32)) -> Value {
     // Through text: the single-precision 0.3 is not the double's.
     let plain = |value: f32| value.to_string().parse::<f64>().unwrap_or(f64::from(value));
     json!({
-        "accuracy": accuracy, "capture": capture.name(), "capture_size": texels, "gradients": gradients.name(),
+        "accuracy": accuracy, "capture": name_of(capture), "capture_size": texels, "gradients": name_of(gradients),
         "weight": match cache.weight { Weight::Bounded => "bounded", Weight::Ward => "ward" },
         "min_radius": plain(cache.min_radius), "max_radius": plain(cache.max_radius), "covered": plain(cache.covered),
         "normal_limit": plain(cache.normal_limit), "contrast": plain(cache.contrast), "seed": cache.seed, "area_samples": lights.area_samples,

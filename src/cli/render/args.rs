@@ -1,6 +1,7 @@
 //! The flags of `hemicube render`.
 
-use super::choices::{CaptureArg, CompensationArg, GradientsArg, HiddenArg, NeighboursArg, RadiusArg, WeightArg};
+use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use crate::cli::choices::{CaptureArg, GradientsArg, WeightArg};
 use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
 use clap::Args;
 use hemicube::image::LayerSet;

@@ -2,25 +2,6 @@
 
 use clap::ValueEnum;
 
-/// `--capture`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum CaptureArg {
-    /// In compute on a CPU device where that fits, else by render passes
-    Auto,
-    /// Multi-view hemicubes by render passes
-    Hemicube,
-    /// One perspective view along the normal, of --aperture
-    Plane,
-    /// One view projected onto the disc below the hemisphere; wants triangles that are small as seen from everywhere
-    Hemisphere,
-    /// Hemicubes rasterised in compute, in shared memory
-    Compute,
-    /// The hemisphere's projection rasterised in compute; triangles stay as they are
-    ComputeHemisphere,
-    /// Hemicubes in compute of what is near; what is far is seen as slices of voxels (--slices, --slices-near)
-    Slices,
-}
-
 /// `--compensation`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CompensationArg {
@@ -30,19 +11,6 @@ pub enum CompensationArg {
     Off,
 }
 
-/// `--gradients`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum GradientsArg {
-    /// Constant irradiance in each zone
-    None,
-    /// By the normal's turn
-    Rotation,
-    /// By the point's move
-    Translation,
-    /// Both
-    Both,
-}
-
 /// `--radius`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RadiusArg {
@@ -50,15 +18,6 @@ pub enum RadiusArg {
     Harmonic,
     /// Where the second derivatives of the irradiance make extrapolation wrong; harmonic without a translation gradient
     Hessian,
-}
-
-/// `--weight`
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum WeightArg {
-    /// Bounded, zero at the zone's border (Tabellion and Lamorlette 2004)
-    Bounded,
-    /// Ward, Rubinstein and Clear 1988
-    Ward,
 }
 
 /// `--neighbours`

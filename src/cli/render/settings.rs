@@ -2,8 +2,8 @@
 
 use super::Kind;
 use super::args::RenderArgs;
-use super::choices::{CaptureArg, CompensationArg, GradientsArg, HiddenArg, NeighboursArg, RadiusArg, WeightArg};
-use hemicube::methods::captures::CaptureMode;
+use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use crate::cli::choices::{CaptureOptions, WeightArg};
 use hemicube::passes::integrate::{Gradients, Radius};
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -27,22 +27,16 @@ impl RenderArgs {
         set(&mut cache.contrast, self.contrast);
         set(&mut cache.normal_limit, self.normal_limit);
         set_u32(&mut cache.capture_size, self.capture_size);
-        cache.capture = match self.capture {
-            CaptureArg::Auto => CaptureMode::Auto,
-            CaptureArg::Hemicube => CaptureMode::Hemicube,
-            CaptureArg::Compute => CaptureMode::Compute,
-            CaptureArg::ComputeHemisphere => CaptureMode::ComputeHemisphere,
-            CaptureArg::Slices => CaptureMode::Slices { across: self.slices, near: self.slices_near },
-            CaptureArg::Plane => {
-                CaptureMode::Plane { aperture: self.aperture, compensated: self.compensation == CompensationArg::On }
-            }
-            CaptureArg::Hemisphere => CaptureMode::Hemisphere,
-        };
+        cache.capture = self.capture.mode(&CaptureOptions {
+            aperture: self.aperture,
+            compensated: self.compensation == CompensationArg::On,
+            slices: self.slices,
+            slices_near: self.slices_near,
+        });
         cache.seed = self.seed;
         cache.batch = self.batch;
-        let has = |kind| self.gradients == kind || self.gradients == GradientsArg::Both;
-        cache.gradients =
-            Gradients { rotation: has(GradientsArg::Rotation), translation: has(GradientsArg::Translation) };
+        let [rotation, translation] = self.gradients.has();
+        cache.gradients = Gradients { rotation, translation };
         cache.radius = match self.radius {
             RadiusArg::Harmonic => Radius::Harmonic,
             RadiusArg::Hessian => Radius::Hessian,

@@ -18,7 +18,7 @@ pub use row::{Bound, Row, csv, markdown};
 
 use crate::math::capture::Projection;
 use crate::methods::captures::{CaptureMode, PLANE_APERTURE};
-use crate::methods::light_samples::LightSettings;
+use crate::methods::light_set::LightSettings;
 use crate::methods::probes::{Place, Probe, ProbeError, ProbeSettings, Probes, SurfaceCell};
 use crate::passes::integrate::Gradients;
 use crate::scene::{Scene, SideLimit};
