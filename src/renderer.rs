@@ -21,7 +21,7 @@ use crate::methods::light_samples::{TooManyLights, light_sets};
 use crate::methods::light_set::{Extent, LightSet};
 use crate::methods::{Ground, upload_sky};
 use crate::passes::gbuffer::{GBuffer, Targets};
-use crate::passes::geometry::{Arrangement, Geometry, SurfaceSize};
+use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
 use crate::passes::resolve::{Inputs, Plane, Resolve};
 use crate::scene::{Camera, Scene};
@@ -77,8 +77,8 @@ pub type OnProgress<'a> = &'a mut dyn FnMut(&'static str, u64, u64);
 /// Renders `scene` from `camera`.
 ///
 /// Where the device ends the loops of captures in compute, whole workgroups share each view; where that is not enough, or the
-/// surface turns out too large for compute once it is arranged, and nobody asked for compute, render passes capture. A warning
-/// says so, and the plan.
+/// surface turns out too large for compute once it is arranged, with levels of detail and without, and nobody asked for compute,
+/// render passes capture. A warning says so, and the plan.
 pub fn render(
     device: &Arc<Device>,
     scene: &Scene,
@@ -158,10 +158,7 @@ fn render_as_set(
     if plan.captures {
         settings.cache.capture.check(device, scene, settings.cache.capture_size)?;
     }
-    let least = SurfaceSize::least(scene, &plan.surface_cells, plan.detail());
-    memory::check(device, scene, &least, &plan, settings)?;
-    let arrangement = Arrangement::new(scene, &plan.surface_cells, plan.detail());
-    memory::check(device, scene, &arrangement.size(), &plan, settings)?;
+    let (arrangement, mut plan, warning) = memory::arrange(device, scene, plan, settings)?;
     clock.lap("arrange scene");
     let size = [settings.width, settings.height];
     let view = View::new(scene, camera, size);
@@ -254,7 +251,7 @@ fn render_as_set(
     Ok(Rendered {
         picture,
         plan,
-        warnings: Vec::new(),
+        warnings: warning.into_iter().collect(),
         cache: cache_stats,
         passes: recorder.passes,
         submissions: recorder.submissions,

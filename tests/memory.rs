@@ -10,7 +10,7 @@ use glam::{Vec3, dvec3, vec3};
 use hemicube::methods::captures::CaptureMode;
 use hemicube::passes::cluster_tree::Detail;
 use hemicube::passes::geometry::{Arrangement, CellBudget, Geometry, SurfaceSize, needs};
-use hemicube::renderer::{RenderError, Rendered, TooLarge, render};
+use hemicube::renderer::{Plan, RenderError, Rendered, Settings, TooLarge, memory_needs, render};
 use hemicube::scene::{Light, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::sync::Arc;
@@ -89,6 +89,12 @@ fn what_does_not_fit_is_refused_before_anything_is_allocated() {
     assert!(words.contains("19320 triangles") && words.contains("104 MB"), "{words}");
 }
 
+fn settings(capture: CaptureMode) -> Settings {
+    let mut settings = small(4);
+    settings.cache.capture = capture;
+    settings
+}
+
 /// A frame of `scene` from its middle, on a device that was changed.
 fn frame(
     scene: &Scene,
@@ -97,16 +103,14 @@ fn frame(
 ) -> (Arc<Device>, Result<Rendered, RenderError>) {
     let mut device = device();
     change(Arc::get_mut(&mut device).unwrap());
-    let mut settings = small(4);
-    settings.cache.capture = capture;
-    let rendered =
-        render(&device, scene, &look(dvec3(0.0, 0.0, 1.0), dvec3(0.0, 0.0, 0.0), 60.0), &settings, &mut |_, _, _| {});
+    let view = look(dvec3(0.0, 0.0, 1.0), dvec3(0.0, 0.0, 0.0), 60.0);
+    let rendered = render(&device, scene, &view, &settings(capture), &mut |_, _, _| {});
     assert_eq!(device.instance.validation_messages(), 0, "validation messages; they are printed above");
     (device, rendered)
 }
 
-/// Levels of detail that turn out too large for a device whose buffers hold the surface itself: render passes capture, and
-/// say why; whoever asks for compute is refused before anything is allocated.
+/// Levels of detail that turn out too large for a device whose buffers hold the surface itself: captures in compute draw that,
+/// and say why; whoever asks for compute is refused before anything is allocated.
 #[test]
 fn levels_that_do_not_fit_are_known_once_they_are_made() {
     let scene = sphere(200);
@@ -123,8 +127,33 @@ fn levels_that_do_not_fit_are_known_once_they_are_made() {
     let (device, rendered) = frame(&scene, CaptureMode::Auto, shrink);
     // Left to itself, a GPU takes render passes in any case.
     if device.is_cpu() {
-        says_why(&rendered.unwrap(), "for capture corners, above the 9600 kB");
+        let rendered = rendered.unwrap();
+        says_why(&rendered, "levels of detail", "for capture corners, above the 9600 kB");
+        assert!(rendered.passes.iter().any(|pass| pass.name == "capture_compute") && rendered.warnings.len() == 1);
     }
+}
+
+/// Memory for the surface and the image but for no tree: render passes capture, and say why.
+#[test]
+fn where_no_tree_fits_render_passes_capture() {
+    let (scene, view) = (sphere(200), look(dvec3(0.0, 0.0, 1.0), dvec3(0.0, 0.0, 0.0), 60.0));
+    let bytes = |device: &Device, capture| {
+        let settings = settings(capture);
+        let plan = Plan::of(&scene, &view, &settings, Some(device));
+        let size = SurfaceSize::least(&scene, &plan.surface_cells, plan.detail());
+        memory_needs(device, &scene, &size, &plan, &settings).iter().map(|need| need.bytes).sum::<u64>()
+    };
+    let (device, rendered) = frame(&scene, CaptureMode::Auto, |device| {
+        let [without, with] = [CaptureMode::Hemicube, CaptureMode::Compute].map(|capture| bytes(device, capture));
+        assert!(without + (4 << 20) < with, "{without} {with}");
+        device.capabilities.device_memory = (without + with) / 2;
+    });
+    let rendered = rendered.unwrap();
+    if device.is_cpu() {
+        says_why(&rendered, "capture_compute", "of device memory (");
+        assert_eq!(rendered.warnings.len(), 1);
+    }
+    assert!(rendered.passes.iter().any(|pass| pass.name == "capture"));
 }
 
 /// Where every triangle has corners of its own these are but drawn: no limit of texel buffers holds for them. Captures in
@@ -144,12 +173,12 @@ fn corners_that_are_only_drawn_fit_where_captures_in_compute_do_not() {
     let rendered = rendered.unwrap();
     assert!(device.memory().by_use.contains_key("unshared corners") && rendered.warnings.is_empty());
     if device.is_cpu() {
-        says_why(&rendered, "57984 texels, and a texel buffer of the device holds 32768");
+        says_why(&rendered, "capture_compute", "57984 texels, and a texel buffer of the device holds 32768");
+        assert!(rendered.passes.iter().any(|pass| pass.name == "capture"));
     }
 }
 
-fn says_why(rendered: &Rendered, words: &str) {
-    let why = &rendered.plan.left_out.iter().find(|left| left.pass == "capture_compute").unwrap().why;
+fn says_why(rendered: &Rendered, part: &str, words: &str) {
+    let why = &rendered.plan.left_out.iter().find(|left| left.pass == part).unwrap().why;
     assert!(why.contains(words), "{why}");
-    assert!(rendered.passes.iter().any(|pass| pass.name == "capture"));
 }

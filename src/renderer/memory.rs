@@ -2,8 +2,9 @@
 
 use super::Settings;
 use super::plan::Plan;
+use crate::methods::captures::CaptureMode;
 use crate::methods::casters::CoarseSurface;
-use crate::passes::geometry::{Need, SurfaceSize, needs};
+use crate::passes::geometry::{Arrangement, Need, SurfaceSize, needs};
 use crate::passes::slices::Slices;
 use crate::scene::Scene;
 use crate::vk::Device;
@@ -95,7 +96,8 @@ pub fn check(
     let triangles = scene.triangles.len();
     let wants_compute = settings.cache.capture.wants_compute();
     let by_passes = if wants_compute { ", or have render passes capture (--capture hemicube)" } else { "" };
-    let leave_out = if plan.levels { ", or leave their levels of detail out (--lod-error 0)" } else { by_passes };
+    let has_levels = size.tree.is_some_and(|tree| tree.coarse_triangles > 0);
+    let leave_out = if has_levels { ", or leave their levels of detail out (--lod-error 0)" } else { by_passes };
     let allowed = |need: &Need| need.allowed.min(device.capabilities.max_allocation);
     if let Some(need) = needs.iter().find(|need| need.largest > allowed(need)) {
         let remedy = match need.used_for {
@@ -113,6 +115,30 @@ pub fn check(
         return Ok(());
     }
     Err(TooLarge::All { triangles, bytes, list: largest_of(&needs), has, remedy: leave_out })
+}
+
+/// Arranges the surface of `scene` as `plan` says. Where its levels of detail turn out not to fit and nobody asked for compute,
+/// without them, which captures in compute still draw sooner than render passes do: the plan says so then, and a warning.
+pub(super) fn arrange(
+    device: &Device,
+    scene: &Scene,
+    plan: Plan,
+    settings: &Settings,
+) -> Result<(Arrangement, Plan, Option<String>), TooLarge> {
+    let fits = |size: &SurfaceSize, plan: &Plan| check(device, scene, size, plan, settings);
+    fits(&SurfaceSize::least(scene, &plan.surface_cells, plan.detail()), &plan)?;
+    let arranged = |plan: &Plan| {
+        let arrangement = Arrangement::new(scene, &plan.surface_cells, plan.detail());
+        fits(&arrangement.size(), plan).map(|()| arrangement)
+    };
+    match arranged(&plan) {
+        Err(error) if plan.levels && settings.cache.capture == CaptureMode::Auto => {
+            let why = format!("levels of detail do not fit: {error}");
+            let plan = plan.without_levels(&why);
+            Ok((arranged(&plan)?, plan, Some(format!("{why}, and captures in compute drew all triangles as they are"))))
+        }
+        arrangement => Ok((arrangement?, plan, None)),
+    }
 }
 
 /// The four largest of them in words.

@@ -150,6 +150,13 @@ impl Plan {
         self
     }
 
+    /// The plan of a frame whose levels of detail did not fit, as one that says so.
+    pub(super) fn without_levels(mut self, why: &str) -> Self {
+        self.run.retain(|part| *part != LEVELS);
+        self.levels = self.part(LEVELS, false, why);
+        self
+    }
+
     /// Whether the sky's shadows are cast by a coarser surface.
     fn coarse_casters_part(&mut self, settings: &Settings, facts: &Facts) -> bool {
         let runs = facts.opaque >= FEWEST_TO_SIMPLIFY && settings.cache.lod_error > 0.0;
