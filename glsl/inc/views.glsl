@@ -21,18 +21,6 @@ vec3 face_coordinates(uint view, vec3 l) {
     }
 }
 
-// Local direction through the point (x, y) of face `view` at distance 1; the inverse of `face_coordinates`.
-vec3 face_direction(uint view, vec2 p) {
-    switch (view) {
-        case 0: return vec3(p, 1.0);
-        case 1: return vec3(1.0, p.x, p.y);
-        case 2: return vec3(-1.0, -p.x, p.y);
-        case 3: return vec3(-p.x, 1.0, p.y);
-        case 4: return vec3(p.x, -1.0, p.y);
-        default: return vec3(p.x, -p.y, -1.0);
-    }
-}
-
 // The face of a cube that sees the local direction.
 uint face_of(vec3 l) {
     vec3 a = abs(l);

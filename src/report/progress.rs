@@ -48,11 +48,6 @@ impl Stage {
         self.bar.inc(steps);
     }
 
-    /// Changes the number of steps, where it was not known at the start.
-    pub fn set_steps(&self, steps: u64) {
-        self.bar.set_length(steps);
-    }
-
     /// Steps done.
     pub fn done(&self) -> u64 {
         self.bar.position()
@@ -73,7 +68,6 @@ mod tests {
     fn quiet_stages_count_and_show_nothing() {
         let stage = Progress::new(true).stage("captures", 10);
         (0..4).for_each(|_| stage.advance(2));
-        stage.set_steps(20);
         assert_eq!(stage.done(), 8);
         assert!(stage.bar.is_hidden());
     }

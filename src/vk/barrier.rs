@@ -6,26 +6,12 @@ use ash::vk;
 
 const ANY: vk::PipelineStageFlags = vk::PipelineStageFlags::ALL_COMMANDS;
 
-fn all_memory() -> vk::MemoryBarrier<'static> {
-    vk::MemoryBarrier::default()
-        .src_access_mask(vk::AccessFlags::MEMORY_WRITE | vk::AccessFlags::MEMORY_READ)
-        .dst_access_mask(vk::AccessFlags::MEMORY_WRITE | vk::AccessFlags::MEMORY_READ)
-}
-
 /// All before, with its writes, before all after. Between passes, where the timer needs the order anyway.
 pub fn full(commands: &Commands) {
-    // SAFETY: recorded outside a render pass.
-    unsafe {
-        commands.device.raw.cmd_pipeline_barrier(
-            commands.raw,
-            ANY,
-            ANY,
-            vk::DependencyFlags::empty(),
-            &[all_memory()],
-            &[],
-            &[],
-        );
-    }
+    let barrier = vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE | vk::AccessFlags::MEMORY_READ)
+        .dst_access_mask(vk::AccessFlags::MEMORY_WRITE | vk::AccessFlags::MEMORY_READ);
+    between(commands, [ANY, ANY], &[barrier], &[]);
 }
 
 /// Storage writes of one dispatch before the reads and writes of the next in the same pass.
@@ -34,18 +20,7 @@ pub fn dispatches(commands: &Commands) {
         .src_access_mask(vk::AccessFlags::SHADER_WRITE | vk::AccessFlags::TRANSFER_WRITE)
         .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE);
     let stages = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::TRANSFER;
-    // SAFETY: recorded outside a render pass.
-    unsafe {
-        commands.device.raw.cmd_pipeline_barrier(
-            commands.raw,
-            stages,
-            vk::PipelineStageFlags::COMPUTE_SHADER,
-            vk::DependencyFlags::empty(),
-            &[barrier],
-            &[],
-            &[],
-        );
-    }
+    between(commands, [stages, vk::PipelineStageFlags::COMPUTE_SHADER], &[barrier], &[]);
 }
 
 /// Moves all of an image from one layout to another, ordered with everything around it.
@@ -63,16 +38,16 @@ pub fn image_layout(commands: &Commands, image: &Image, from: vk::ImageLayout, t
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .image(image.raw)
         .subresource_range(range);
-    // SAFETY: recorded outside a render pass; the image outlives the submission.
-    unsafe {
-        commands.device.raw.cmd_pipeline_barrier(
-            commands.raw,
-            ANY,
-            ANY,
-            vk::DependencyFlags::empty(),
-            &[],
-            &[],
-            &[barrier],
-        );
-    }
+    between(commands, [ANY, ANY], &[], &[barrier]);
+}
+
+fn between(
+    commands: &Commands,
+    [before, after]: [vk::PipelineStageFlags; 2],
+    memory: &[vk::MemoryBarrier<'_>],
+    images: &[vk::ImageMemoryBarrier<'_>],
+) {
+    let flags = vk::DependencyFlags::empty();
+    // SAFETY: recorded outside a render pass; images outlive the submission.
+    unsafe { commands.device.raw.cmd_pipeline_barrier(commands.raw, before, after, flags, memory, &[], images) };
 }

@@ -49,7 +49,7 @@ pub struct RenderArgs {
     /// has at least one
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) surface_cells: Option<u32>,
-    /// Ward's a: a record reaches a times the harmonic mean distance of what it sees. Smaller: more records, less error
+    /// Ward's a: a record reaches a times R (--radius). Smaller: more records, less error
     #[arg(long, value_name = "A", help_heading = "Irradiance cache")]
     pub(super) accuracy: Option<f32>,
     /// How records look at the scene

@@ -5,7 +5,7 @@ use super::polygons::{Cell, table as measure};
 use super::{Table, pitch};
 use glam::{DVec2, DVec3};
 
-/// Point (x, y) at distance 1 on a face; twin of `face_direction` in `views.glsl`.
+/// Point (x, y) at distance 1 on a face; the inverse of `face_coordinates` in `views.glsl`.
 pub fn face_direction(face: u32, p: DVec2) -> DVec3 {
     match face {
         0 => DVec3::new(p.x, p.y, 1.0),
