@@ -6,10 +6,9 @@ mod nodes;
 mod size;
 mod sort;
 
-use super::geometry::CLUSTER;
 use crate::math::adjacency;
 use crate::math::density::Density;
-use crate::math::levels::{Bound, Cluster, First, Levels, Surface};
+use crate::math::levels::{Bound, CLUSTER, Cluster, First, Levels, Surface};
 use crate::scene::opacity::{Mask, Opacity};
 use crate::scene::{Part, Scene};
 use crate::vk::{Buffer, Device, Result, TexelBuffer};
@@ -114,12 +113,12 @@ impl Arranged {
 
     fn of(triangles: Triangles<'_>, groups: &[Group], shown_cell: Option<Vec<u32>>) -> Self {
         let clusters = || groups.iter().flat_map(|g| &g.clusters);
-        let mut corners = Vec::with_capacity(clusters().count() * CLUSTER as usize);
+        let mut corners = Vec::with_capacity(clusters().count() * CLUSTER);
         let mut order = Vec::with_capacity(corners.capacity());
         for (cluster, _) in clusters() {
             corners.extend(cluster.triangles.iter().map(|t| triangles.named(*t)));
             let last = corners.last().map_or(Vec4::ZERO, |[a, ..]: &[Vec4; 3]| a.truncate().extend(0.0));
-            corners.resize(corners.len().next_multiple_of(CLUSTER as usize), [last; 3]);
+            corners.resize(corners.len().next_multiple_of(CLUSTER), [last; 3]);
             order.extend(&cluster.triangles);
             order.resize(corners.len(), adjacency::NONE);
         }
@@ -159,7 +158,7 @@ impl ClusterTree {
         let shown = |cells: Vec<u32>| Buffer::with_data(device, "coarse cells", &cells);
         Ok(Self {
             root,
-            clusters: (corners.len() / CLUSTER as usize) as u32,
+            clusters: (corners.len() / CLUSTER) as u32,
             octets: TexelBuffer::with_data(device, "cluster bounds", &octets)?,
             nodes: TexelBuffer::with_data(device, "cluster bounds", &nodes)?,
             corners: TexelBuffer::with_data(device, "capture corners", &corners)?,
@@ -239,6 +238,6 @@ impl Triangles<'_> {
         self.sort(&mut triangles);
         let cluster =
             |piece: &[u32]| Cluster { triangles: piece.to_vec(), level: 0, own: Bound::EXACT, coarser: Bound::NEVER };
-        triangles.chunks(CLUSTER as usize).map(cluster).collect()
+        triangles.chunks(CLUSTER).map(cluster).collect()
     }
 }

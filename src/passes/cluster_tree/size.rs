@@ -29,7 +29,7 @@ pub struct TreeSize {
 impl TreeSize {
     /// Of so many triangles that are drawn as they are, but for alpha masks; with levels of detail it is more.
     pub fn exact(triangles: usize) -> Self {
-        let clusters = (triangles as u64).div_ceil(u64::from(CLUSTER));
+        let clusters = triangles.div_ceil(CLUSTER) as u64;
         let mut nodes = clusters;
         let mut level = clusters.div_ceil(CHILDREN as u64);
         while level > 1 {
@@ -46,13 +46,13 @@ impl TreeSize {
         }
         // Simplified by halves, a surface's levels have as many triangles as itself. Clusters are not quite full, and groups
         // have five of them, about.
-        let clusters = (triangles as u64 * 9 / 4).div_ceil(u64::from(CLUSTER));
+        let clusters = (triangles * 9 / 4).div_ceil(CLUSTER) as u64;
         let shown_cells = u64::from(MOST_COARSE_CELLS) * cells * size_of::<u32>() as u64;
         Self { shown_cells, coarse_triangles: triangles as u64, ..Self::of(clusters, clusters * 5 / 4 * 2 * NODE) }
     }
 
     fn of(clusters: u64, nodes: u64) -> Self {
-        let triangles = clusters * u64::from(CLUSTER);
+        let triangles = clusters * CLUSTER as u64;
         let octets = triangles / CHILDREN as u64 * size_of::<Bounds>() as u64;
         Self { octets, nodes, corners: 3 * TEXEL * triangles, ..Self::default() }
     }
