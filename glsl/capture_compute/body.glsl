@@ -29,7 +29,7 @@ layout(set = 0, binding = 5, std430) readonly buffer Sky { uvec4 sky_size; vec4 
 layout(set = 0, binding = 6, std430) buffer Gathered { vec4 gathered[]; };  // laid out as inc/gathered.glsl says
 layout(set = 0, binding = 7) uniform textureBuffer texel_table;  // of a disc's texels, or those of faces that are summed
 layout(set = 0, binding = 8, std430) readonly buffer ShownCell { uint shown_cell[]; };  // of each coarse one
-layout(set = 0, binding = 9) uniform textureBuffer nodes;  // box; first child, how many more; a box for errors; least, most
+layout(set = 0, binding = 9) uniform textureBuffer nodes;  // box; children, middle; a box for errors; least, most
 layout(set = 0, binding = 10, std430) buffer Count { uint count[2]; };
 layout(set = 0, binding = 11, std430) writeonly buffer Ended { uint ended[2]; };  // not 0 where loops were
 layout(push_constant) uniform Push {

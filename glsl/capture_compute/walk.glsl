@@ -22,12 +22,19 @@ uint triangle_of(uint id) { return list[(id >> PLACE_BITS) - 1] * OCTET + id % O
 
 float distance_to(vec3 p, vec3 low, vec3 high) { return length(max(max(low - p, p - high), vec3(0.0))); }
 
+// How far away the boxes are at most by which clusters decide: all are near to a point of the box of their node
+// (src/passes/cluster_tree/nodes.rs).
+float farthest_from(vec3 eye, vec3 low, vec3 size, uint middle) {
+    vec3 point = low + size * (vec3(uvec3(middle, middle >> 8, middle >> 16) & 255u) / 255.0);
+    return 1.0001 * (distance(eye, point) + length(size) * (float(middle >> 24) / 126.0));
+}
+
 // Whether a cluster is fine enough at this distance; of what holds clusters, whether some may be that, and what replaces
 // them is not. A cluster's neighbours that are replaced with it decide by the same numbers.
-bool is_shown(uint node, vec3 eye) {
+bool is_shown(uint node, uint middle, vec3 eye) {
     vec4 low = texelFetch(nodes, int(NODE * node) + 2), high = texelFetch(nodes, int(NODE * node) + 3);
     precise float near = distance_to(eye, low.xyz, high.xyz), allowed = near * push.allowed_error;
-    float farthest = (near + length(high.xyz - low.xyz)) * push.allowed_error;
+    float farthest = farthest_from(eye, low.xyz, high.xyz - low.xyz, middle) * push.allowed_error;
     return node < push.clusters ? low.w <= allowed : low.w <= farthest && high.w > allowed;
 }
 
@@ -55,11 +62,11 @@ uint find_clusters(View view, inout Walk walk) {
         vec4 low = texelFetch(nodes, int(NODE * node)), high = texelFetch(nodes, int(NODE * node) + 1);
         bool seen = mine && sees(view, low.xyz, high.xyz), is_cluster = node < push.clusters;
         if (HAS_SLICES != 0) seen = seen && distance_to(view.frame.origin.xyz, low.xyz, high.xyz) <= push.near;
-        if (HAS_LEVELS != 0) seen = seen && is_shown(node, view.frame.origin.xyz);
+        if (HAS_LEVELS != 0) seen = seen && is_shown(node, floatBitsToUint(high.w), view.frame.origin.xyz);
         meet();
         uvec2 leaves = places(seen && is_cluster), inner = places(seen && !is_cluster);
         if (seen && is_cluster) clusters[found + leaves.x] = node;
-        if (seen && !is_cluster) stack[walk.depth - taken + inner.x] = floatBitsToUint(low.w) * OCTET + floatBitsToUint(high.w);
+        if (seen && !is_cluster) stack[walk.depth - taken + inner.x] = floatBitsToUint(low.w);
         walk.depth += inner.y - taken;
         found += leaves.y;
         meet();

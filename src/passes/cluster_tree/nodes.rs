@@ -3,12 +3,12 @@
 use super::sort::{Item, sorted};
 use super::{Bounds, CHILDREN};
 use crate::math::levels::{Bound, Cluster};
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 
 /// A node as the device reads it; `w` of the corners is told there.
 #[derive(Clone, Copy, Debug)]
 pub struct Node {
-    /// Around what it draws; w, as bits: first child, and how many more there are. Nothing of a cluster.
+    /// Around what it draws; w, as bits: [`Self::children`], and its [`Middle`]. Nothing of a cluster.
     bounds: Bounds,
     /// Around all that a cluster stands for, and w of the lowest corner: its error. Of what holds clusters, around all that is
     /// replaced with them, and w: the least error of theirs, the largest of what replaces them.
@@ -22,20 +22,76 @@ impl Node {
         [bounds.low, bounds.high, errors.low, errors.high].into_iter().take(if has_levels { 4 } else { 2 })
     }
 
-    fn with_children(mut self, first: u32, more: u32) -> Self {
-        self.bounds.low.w = f32::from_bits(first);
-        self.bounds.high.w = f32::from_bits(more);
+    /// With the children from `first` on.
+    fn holding(mut self, first: u32, count: usize, middle: Middle) -> Self {
+        self.bounds.low.w = f32::from_bits(first * CHILDREN as u32 + count as u32 - 1);
+        self.bounds.high.w = f32::from_bits(middle.packed);
         self
     }
 
     /// Eight times the first child, and how many more.
     pub fn children(&self) -> u32 {
-        self.bounds.low.w.to_bits() * CHILDREN as u32 + self.bounds.high.w.to_bits()
+        self.bounds.low.w.to_bits()
+    }
+
+    fn middle(&self) -> Middle {
+        Middle { packed: self.bounds.high.w.to_bits() }
     }
 
     fn around(nodes: &[Self]) -> Self {
         let join = |with: fn(&Self) -> Bounds| Bounds::around(nodes.iter().map(with));
         Self { bounds: join(|n| n.bounds), errors: join(|n| n.errors) }
+    }
+}
+
+/// A point of a node's box for errors, and how far from it the boxes of what it holds are at most. An eye is no further from any
+/// of these than from the point, and that.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Middle {
+    /// Three times eight bits: place in the box; seven: the distance, in parts of the diagonal (`farthest_from` of the shader).
+    packed: u32,
+}
+
+impl Middle {
+    const PLACES: f32 = 255.0;
+    /// No exponent of a float is all ones then.
+    const PARTS: f32 = 126.0;
+
+    /// In `whole`, near to `point`; `away`: how far from a point the boxes are.
+    fn new(whole: Bounds, point: Vec3, away: impl Fn(Vec3) -> f32) -> Self {
+        let share = (point - whole.low.truncate()) / whole.size().max(Vec3::splat(f32::MIN_POSITIVE));
+        let [x, y, z] =
+            (share.clamp(Vec3::ZERO, Vec3::ONE) * Self::PLACES).round().to_array().map(|place| place as u32);
+        let place = Self { packed: x | y << 8 | z << 16 };
+        // A grain more, for the rounding of distances.
+        let parts = away(place.point(whole)) * 1.0001 / whole.size().length().max(f32::MIN_POSITIVE) * Self::PARTS;
+        Self { packed: place.packed | (parts.ceil().min(Self::PARTS) as u32) << 24 }
+    }
+
+    /// Of boxes in `whole`: the middle of the smallest box that meets all of them.
+    fn of(whole: Bounds, boxes: &[Bounds]) -> Self {
+        let low = boxes.iter().fold(Vec3::INFINITY, |least, b| least.min(b.high.truncate()));
+        let high = boxes.iter().fold(Vec3::NEG_INFINITY, |most, b| most.max(b.low.truncate()));
+        Self::new(whole, 0.5 * (low + high), |point| boxes.iter().map(|b| b.distance(point)).fold(0.0, f32::max))
+    }
+
+    /// Of what `nodes` have in theirs.
+    fn around(whole: Bounds, nodes: &[Node]) -> Self {
+        let of = |node: &Node| (node.middle().point(node.errors), node.middle().distance(node.errors));
+        let points: Vec<_> = nodes.iter().map(|n| of(n).0).collect();
+        let point = Bounds::of(&points);
+        Self::new(whole, (0.5 * (point.low + point.high)).truncate(), |point| {
+            nodes.iter().map(of).map(|(middle, distance)| middle.distance(point) + distance).fold(0.0, f32::max)
+        })
+    }
+
+    fn point(self, whole: Bounds) -> Vec3 {
+        let place = [0, 8, 16].map(|bits| (self.packed >> bits & 255) as f32);
+        whole.low.truncate() + whole.size() * (Vec3::from(place) / Self::PLACES)
+    }
+
+    fn distance(self, whole: Bounds) -> f32 {
+        whole.size().length() * ((self.packed >> 24) as f32 / Self::PARTS)
     }
 }
 
@@ -76,7 +132,11 @@ impl Group {
         errors.low.w = self.clusters.iter().fold(f32::INFINITY, |least, c| least.min(c.0.own.error));
         errors.high.w = self.coarser.error;
         let bounds = Bounds::around(self.clusters.iter().map(|c| c.1));
-        Node { bounds, errors }.with_children(first, self.clusters.len() as u32 - 1)
+        // What is exact suffices at any distance.
+        let own = self.clusters.iter().map(|c| c.0.own).filter(|own| own.error > 0.0);
+        let own: Vec<_> = own.map(Bounds::from).collect();
+        let middle = Middle::of(errors, &own);
+        Node { bounds, errors }.holding(first, self.clusters.len(), middle)
     }
 }
 
@@ -98,7 +158,8 @@ pub fn nodes_of(groups: &[Group]) -> Vec<Node> {
         let mut first = nodes.len() as u32;
         nodes.extend(&level);
         let holder = |children: &[Node]| {
-            let node = Node::around(children).with_children(first, children.len() as u32 - 1);
+            let node = Node::around(children);
+            let node = node.holding(first, children.len(), Middle::around(node.errors, children));
             first += children.len() as u32;
             node
         };
@@ -106,4 +167,53 @@ pub fn nodes_of(groups: &[Group]) -> Vec<Node> {
     }
     nodes.extend(level);
     nodes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    /// Farthest an eye may be from a box of those that `node` holds, as the shader reckons.
+    fn farthest(node: &Node, eye: Vec3) -> f32 {
+        1.0001 * (node.middle().point(node.errors).distance(eye) + node.middle().distance(node.errors))
+    }
+
+    /// Nodes over nodes over boxes of any shape and place: no box is further from an eye than their nodes say.
+    #[test]
+    fn no_box_is_further_than_its_node_says() {
+        // Points of the sequence of Roberts 2018, in a cube around the origin.
+        let mut number = 0.0_f64;
+        let mut point = |scale: f32| {
+            number += 1.0;
+            ((number * dvec3(0.819_172_5, 0.671_043_6, 0.549_700_5)).fract() - 0.5).as_vec3() * scale
+        };
+        for turn in 0..200 {
+            let size = [1e-3, 1.0, 1e4][turn % 3];
+            let boxes = [0; 8].map(|_| [0; 5].map(|_| Bounds::of(&[point(size), point(size)])));
+            let groups = boxes.map(|of_group| {
+                let errors = Bounds::around(of_group);
+                Node { bounds: errors, errors }.holding(0, 5, Middle::of(errors, &of_group))
+            });
+            let all = Node::around(&groups);
+            let all = all.holding(0, 8, Middle::around(all.errors, &groups));
+            for eye in [0.1, 1.0, 30.0].map(|near| point(near * size)) {
+                for (group, boxes) in groups.iter().zip(&boxes) {
+                    let exact = boxes.iter().map(|b| b.distance(eye)).fold(0.0, f32::max);
+                    let [of_group, of_all] = [group, &all].map(|node| farthest(node, eye));
+                    assert!(exact <= of_group && exact <= of_all, "{exact} {of_group} {of_all}");
+                }
+            }
+        }
+    }
+
+    /// Boxes that have a point in common: an eye is no further from any of them than from it.
+    #[test]
+    fn overlapping_boxes_are_no_further_than_what_they_share() {
+        let boxes = [[0.0, 6.0], [4.0, 10.0], [1.0, 5.0]].map(|[a, b]| Bounds::of(&[Vec3::splat(a), Vec3::splat(b)]));
+        let errors = Bounds::around(boxes);
+        let node = Node { bounds: errors, errors }.holding(3, 3, Middle::of(errors, &boxes));
+        assert_eq!(node.children(), 8 * 3 + 2);
+        assert!(farthest(&node, Vec3::splat(4.5)) < 0.1, "{}", farthest(&node, Vec3::splat(4.5)));
+    }
 }
