@@ -3,12 +3,10 @@
 layout(set = 0, binding = 4, std430) readonly buffer CellRadiance { float cell_radiance[]; };
 #include "inc/cell_light.glsl"
 
-// Triangles' numbers are kept in its place meanwhile, as the bits of floats that no device takes for a denormal one.
-const uint TAG = 0x40000000u;
+// Triangles' numbers are kept in its place meanwhile.
+uint meanwhile(uint at) { return untagged(gathered[STRIDE * at].x); }
 
-uint meanwhile(uint at) { return floatBitsToUint(gathered[STRIDE * at].x) ^ TAG; }
-
-void keep(uint at, uint triangle) { gathered[STRIDE * at].x = uintBitsToFloat(triangle | TAG); }
+void keep(uint at, uint triangle) { gathered[STRIDE * at].x = tagged(triangle); }
 
 uint triangle_at(uint i, uint key, uint first);
 
@@ -20,6 +18,6 @@ void tell(View view, uint texels, uint first) {
         Sight sight = see(view, key, triangle, spot.way);
         gathered[at] = vec4(sight.light, sight.inverse_distance);
         if (HAS_SKY != 0) gathered[at + 1] = vec4(sight.beyond, 0.0);
-        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(sight.plane * axes, 0.0);
+        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(sight.plane * axes, tagged(triangle));
     }
 }

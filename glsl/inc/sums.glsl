@@ -15,13 +15,17 @@ Slide no_slide() {
     return Slide(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
 }
 
+// 1/distance where a plane meets an edge, by the nearest that is seen: planes seen edge-on are extrapolated to three times the
+// distance's inverse at most, evenly both ways.
+float bounded(float at_edge, float nearest) { return clamp(at_edge, -nearest, 3.0 * nearest); }
+
 // An edge over which light grows by `lit` and the sky's by `open`. `at_edge` is 1/distance of what moves there: the nearer
 // surface, where its plane meets the edge, not at the texel's centre. An outline lies within half a texel of the edge that
 // stands for it, on either side alike, so that the error is of second order in the texel's width; with the centre's
-// distance, which is always further inside, it is of first. Planes seen edge-on are extrapolated to three times the
-// distance's inverse at most, evenly both ways. H is by the texels' own distances: what is extrapolated would be squared.
+// distance, which is always further inside, it is of first. H is by the texels' own distances: what is extrapolated would be
+// squared.
 void slide_over(inout Slide slide, vec3 lit, vec3 open, vec2 step_, vec3 bend, float at_edge, float nearest) {
-    vec2 moved = step_ * clamp(at_edge, -nearest, 3.0 * nearest);
+    vec2 moved = step_ * bounded(at_edge, nearest);
     slide.lit_x += lit * moved.x;
     slide.lit_y += lit * moved.y;
     if (HAS_SKY != 0) {

@@ -17,6 +17,7 @@ layout(constant_id = 2) const uint HAS_TRANSLATION = 1;
 layout(constant_id = 3) const uint IS_CURVED = 0;  // triangles' sides are curves, drawn as chords
 layout(constant_id = 4) const uint BY_HESSIAN = 0;  // R from the second derivatives of E; wants the translation gradient
 layout(constant_id = 5) const uint PARTS = 0;  // of each sum that the capture made; 0: it made none
+layout(constant_id = 6) const uint HAS_OUTLINES = 0;  // followed over the triangles' edges
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1, std430) buffer Records { Record records[]; };
@@ -62,6 +63,7 @@ void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
 #else
 #include "integrate/see.glsl"
 #endif
+#include "integrate/outlines.glsl"
 
 const float DARK_SHARE = 0.02;
 
@@ -126,20 +128,36 @@ void gather(uint record, Frame frame) {
     put3(LIGHT + PEAK, open_peak);
 }
 
+// What an edge between texels adds by the plane of what is nearer there; whether there is an outline.
+bool slide_at(uint base, uint e, inout Slide sum) {
+    vec4 edge = edge_value(3 * e);
+    uvec2 of = floatBitsToUint(edge.zw);
+    uint i = STRIDE * (base + of.x), j = STRIDE * (base + of.y);
+    vec4 a = gathered_value(i), b = gathered_value(j);
+    vec3 beyond = HAS_SKY != 0 ? gathered_value(j + 1).rgb - gathered_value(i + 1).rgb : vec3(0.0);
+    float nearest = max(a.w, b.w);
+    bool turned = a.w < b.w;
+    vec3 between = edge_value(3 * e + 1).xyz, plane = gathered_value((turned ? j : i) + STRIDE - 1).xyz;
+    vec3 bend = BY_HESSIAN != 0 ? edge_value(3 * e + 2).xyz : vec3(0.0);
+    float at_edge = dot(plane, between);
+    slide_over(sum, b.rgb - a.rgb, beyond, edge.xy, bend, at_edge, nearest);
+    if (HAS_OUTLINES == 0) return false;
+    vec3 other = gathered_value((turned ? i : j) + STRIDE - 1).xyz;
+    return nearest > 0.0 && is_outline(vec2(at_edge, dot(other, between)));
+}
+
 // What edges between texels add.
-void slide(uint record) {
+void slide(uint record, Frame frame) {
     Slide sum = no_slide();
     uint base = record * push.texel_count;
-    for (uint e = gl_LocalInvocationID.x; e < push.edge_count; e += THREADS) {
-        vec4 edge = edge_value(3 * e);
-        uvec2 of = floatBitsToUint(edge.zw);
-        uint i = STRIDE * (base + of.x), j = STRIDE * (base + of.y);
-        vec4 a = gathered_value(i), b = gathered_value(j);
-        vec3 beyond = HAS_SKY != 0 ? gathered_value(j + 1).rgb - gathered_value(i + 1).rgb : vec3(0.0);
-        float nearest = max(a.w, b.w);
-        vec3 plane = gathered_value((a.w >= b.w ? i : j) + STRIDE - 1).xyz;
-        vec3 bend = BY_HESSIAN != 0 ? edge_value(3 * e + 2).xyz : vec3(0.0);
-        slide_over(sum, b.rgb - a.rgb, beyond, edge.xy, bend, dot(plane, edge_value(3 * e + 1).xyz), nearest);
+    uint rounds = (push.edge_count + THREADS - 1) / THREADS, round = 0;
+    while (round < rounds) {
+        uint found[KEPT], count = 0;
+        for (; round < rounds && count < KEPT; ++round) {
+            uint e = edge_at(round);
+            if (e < push.edge_count && slide_at(base, e, sum)) found[count++] = round;
+        }
+        if (HAS_OUTLINES != 0) correct_outlines(frame, base, found, count, sum);
     }
     put3(TRANSLATION, sum.lit_x);
     put3(TRANSLATION + 3, sum.lit_y);
@@ -206,7 +224,7 @@ void main() {
         memoryBarrierBuffer();
         barrier();
 #endif
-        slide(record);
+        slide(record, frame);
     }
     add_up(record);
     if (gl_LocalInvocationID.x > 0) return;

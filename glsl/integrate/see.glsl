@@ -32,7 +32,8 @@ uvec2 look(uvec2 tile, uint place, float forward, Frame frame, vec3 direction) {
 void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
     uvec2 tile = uvec2(record % push.columns, record / push.columns) * push.tile_size;
     vec4 way = texel_value(2 * i + 1);
-    vec3 direction = to_world(frame, way.xyz), plane = vec3(0.0);
+    vec3 direction = to_world(frame, way.xyz);
+    vec4 plane = vec4(vec3(0.0), tagged(0));
     uvec2 hit = look(tile, floatBitsToUint(texel_value(2 * i).w), way.w, frame, direction);
     bool above = dot(direction, frame.horizon.xyz) > 0.0;
     seen = vec4(0.0);
@@ -44,12 +45,12 @@ void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
              e2 = position_of(c.z) - position_of(c.x);
         seen = vec4(cell_light(cell_of(triangle, barycentrics(a, e1, e2, direction)), hit.x >= 0x80000000u),
                     uintBitsToFloat(hit.y));
-        if (HAS_TRANSLATION != 0) plane = to_local(frame, inverse_plane(a, e1, e2));
+        if (HAS_TRANSLATION != 0) plane = vec4(to_local(frame, inverse_plane(a, e1, e2)), tagged(triangle + 1));
     } else if (HAS_SKY != 0 && above) {
         beyond = sky_radiance(direction);
     }
     uint at = STRIDE * (record * push.texel_count + i);
     gathered[at] = seen;
     if (HAS_SKY != 0) gathered[at + 1] = vec4(beyond, 0.0);
-    if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(plane, 0.0);
+    if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = plane;
 }

@@ -156,7 +156,8 @@ pub struct Captures {
 
 /// The pass that captures, boxed for their sizes differ.
 enum By {
-    Render(Box<Capture>),
+    /// With what outlines are followed by.
+    Render(Box<Capture>, Option<Buffer>),
     Compute(Box<CaptureCompute>, Option<Box<Slices>>),
 }
 
@@ -191,17 +192,16 @@ impl Captures {
                 None => Gathered::viewed(device, texels * u64::from(capacity), kinds)?,
             };
             let on = (geometry, tree, slices.as_ref());
-            let follows = sums.is_some() && planes && far.is_none() && pays_to_follow(geometry, &looks);
+            let follows = far.is_none() && pays_to_follow(geometry, projection, kinds, looks.texels());
             let across = || adjacency::neighbours(&geometry.triangles, &ground.scene.positions);
             let neighbours = follows.then(|| tree.neighbours(device, &across())).transpose()?;
             let capture = CaptureCompute::new(device, on, neighbours, (&gathered, sky), &looks, capacity, drawn)?;
-            let texels = looks.texels();
             return Ok(Self {
                 by: By::Compute(Box::new(capture), slices.map(Box::new)),
                 gathered,
                 projection,
                 size,
-                texels,
+                texels: looks.texels(),
                 drawn_whole: 0,
                 capacity,
                 follows_outlines: follows,
@@ -219,23 +219,25 @@ impl Captures {
         let capacity = capture.desc.capacity;
         let texels = projection.table(size).texels.len() as u32;
         let gathered = Gathered::plain(device, u64::from(texels) * u64::from(capacity), kinds)?;
+        let follows = pays_to_follow(geometry, projection, kinds, texels);
+        let neighbours = follows.then(|| geometry.neighbours(device, &ground.scene.positions)).transpose()?;
         let drawn_whole = if capture.is_culled() { 0 } else { geometry.triangle_count * views.count() };
         Ok(Self {
-            by: By::Render(Box::new(capture)),
+            by: By::Render(Box::new(capture), neighbours),
             gathered,
             projection,
             size,
             texels,
             drawn_whole,
             capacity,
-            follows_outlines: false,
+            follows_outlines: follows,
         })
     }
 
     /// Frames to look from.
     pub fn frames(&self) -> &Buffer {
         match &self.by {
-            By::Render(capture) => &capture.frames,
+            By::Render(capture, _) => &capture.frames,
             By::Compute(capture, _) => &capture.frames,
         }
     }
@@ -251,7 +253,7 @@ impl Captures {
     /// What [`crate::passes::integrate`] reads.
     pub fn captured(&self) -> Captured<'_> {
         let by = match &self.by {
-            By::Render(capture) => CapturedBy::Render(capture),
+            By::Render(capture, neighbours) => CapturedBy::Render(capture, neighbours.as_ref()),
             By::Compute(capture, _) => CapturedBy::Compute(capture),
         };
         Captured { by, gathered: &self.gathered, projection: self.projection, size: self.size }
@@ -261,7 +263,7 @@ impl Captures {
     pub fn check(&self, recorder: &mut Recorder) -> Result<()> {
         match &self.by {
             By::Compute(capture, _) => capture.check(recorder),
-            By::Render(_) => Ok(()),
+            By::Render(..) => Ok(()),
         }
     }
 
@@ -281,7 +283,7 @@ impl Captures {
                 capture.record(c, count);
                 Ok(())
             }),
-            By::Render(capture) => {
+            By::Render(capture, _) => {
                 if capture.is_culled() {
                     recording.pass("cull", |c| {
                         capture.record_cull(c, count);
@@ -298,9 +300,10 @@ impl Captures {
 }
 
 /// Whether outlines are followed over the triangles' edges: where these are larger than texels, in the mean. Of smaller ones few
-/// are long and thin at once, and pictures show no difference.
-fn pays_to_follow(geometry: &Geometry, looks: &Looks) -> bool {
-    geometry.triangle_count <= looks.texels()
+/// are long and thin at once, and pictures show no difference. What errs of a plane is what it does not see; between texels of a
+/// hemisphere edges are curves.
+fn pays_to_follow(geometry: &Geometry, projection: Projection, kinds: Kinds, texels: u32) -> bool {
+    kinds.planes && projection == Projection::Hemicube && geometry.triangle_count <= texels
 }
 
 fn views(projection: Projection) -> Views {

@@ -182,7 +182,8 @@ fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch
     let projection = Projection::Hemicube;
     let texels = projection.table(CAPTURE_SIZE).texels.len() as u64 * u64::from(count);
     let gathered = Gathered::plain(device, texels, Kinds { sky: false, planes: true })?;
-    let captured = Captured { by: CapturedBy::Render(&capture), gathered: &gathered, projection, size: CAPTURE_SIZE };
+    let captured =
+        Captured { by: CapturedBy::Render(&capture, None), gathered: &gathered, projection, size: CAPTURE_SIZE };
     let seconds = integrated(device, ground.geometry, &captured, count, stopwatch)?;
     Ok((triangle_views, rate(texels as f64, seconds)))
 }

@@ -9,8 +9,8 @@
 //! masks are bits on the triangles ([`crate::scene::opacity`]): their borders are half a texel of the texture off at most,
 //! or a 64th of the triangle's side.
 //!
-//! Where a subgroup sums, outlines may be followed over the triangles' edges ([`crate::math::outline`]): the translation gradient
-//! then knows of what is seen edge-on, thinner than a texel.
+//! Outlines may be followed over the triangles' edges ([`crate::math::outline`]): the translation gradient then knows of what is
+//! seen edge-on, thinner than a texel. Where a subgroup sums, it does so within its face; else [`super::integrate`] does.
 //!
 //! With [`super::slices`] only what is near is drawn; what is far is looked up there.
 
@@ -160,7 +160,8 @@ pub struct CaptureCompute {
     ended: Option<Counter>,
     _viewed: Option<BufferView>,
     _table: Option<TexelBuffer>,
-    _neighbours: Option<TexelBuffer>,
+    /// What outlines are followed by ([`ClusterTree::neighbours`]).
+    pub(super) neighbours: Option<TexelBuffer>,
     _layout: SetLayout,
 }
 
@@ -191,8 +192,8 @@ impl CaptureCompute {
     }
 
     /// Captures up to `capacity` times what `looks` says, of the triangles in `tree` and of `slices` where that wants some, into
-    /// `gathered`; `sky` where that keeps it. With `neighbours` ([`ClusterTree::neighbours`]) outlines are followed, where faces are
-    /// summed. What is drawn, triangles times views by octets, adds to `drawn`.
+    /// `gathered`; `sky` where that keeps it. With `neighbours` ([`ClusterTree::neighbours`]) outlines are followed. What is drawn,
+    /// triangles times views by octets, adds to `drawn`.
     pub fn new(
         device: &Arc<Device>,
         (geometry, tree, slices): (&Geometry, &ClusterTree, Option<&Slices>),
@@ -273,7 +274,7 @@ impl CaptureCompute {
             ended,
             _viewed: viewed,
             _table: table,
-            _neighbours: neighbours,
+            neighbours,
             _layout: layout,
         })
     }

@@ -187,6 +187,13 @@ impl Geometry {
         Ok(image)
     }
 
+    /// Uploads the triangles across the edges opposite to the corners of each, by their numbers plus 1; 0 where there are none.
+    pub fn neighbours(&self, device: &Arc<Device>, positions: &[Vec3]) -> Result<Buffer> {
+        let across = adjacency::neighbours(&self.triangles, positions);
+        let numbers: Vec<_> = across.into_iter().map(|next| next.map(|n| n.wrapping_add(1))).collect();
+        Buffer::with_data(device, "capture neighbours", &numbers)
+    }
+
     /// The vertex and index buffer that captures draw.
     pub fn capture_buffers(&self) -> (&Buffer, &Buffer) {
         match (&self.corners, &self.corner_indices) {

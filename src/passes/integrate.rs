@@ -61,9 +61,9 @@ pub enum Radius {
 
 /// Where captures come from.
 pub enum CapturedBy<'a> {
-    /// Render passes.
-    Render(&'a Capture),
-    /// Compute.
+    /// Render passes; with neighbours ([`Geometry::neighbours`]) outlines are followed over the triangles' edges.
+    Render(&'a Capture, Option<&'a Buffer>),
+    /// Compute, by whose neighbours outlines are followed, unless it has summed faces.
     Compute(&'a CaptureCompute),
 }
 
@@ -128,7 +128,9 @@ impl Integrate {
     ) -> Result<Self> {
         let table = captured.projection.table(captured.size);
         let (frames, code, columns) = match captured.by {
-            CapturedBy::Render(capture) => (&capture.frames, spirv!("integrate", "from_render.comp"), capture.columns),
+            CapturedBy::Render(capture, _) => {
+                (&capture.frames, spirv!("integrate", "from_render.comp"), capture.columns)
+            }
             CapturedBy::Compute(capture) => (&capture.frames, spirv!("integrate", "from_compute.comp"), 1),
         };
         let view = captured.gathered.view();
@@ -136,7 +138,7 @@ impl Integrate {
         let (gpu_texels, gpu_edges) = tables(&table, sums.is_some(), gradients);
         let tables = Tables::new(device, view.is_some(), &gpu_texels, &gpu_edges)?;
         let [texels, edges] = tables.bindings();
-        let own = [
+        let of_captures = [
             Binding::Storage(frames),
             Binding::Storage(records),
             Binding::Storage(payloads),
@@ -144,9 +146,10 @@ impl Integrate {
             edges,
             view.map_or(Binding::Storage(captured.gathered.buffer()), Binding::TexelBuffer),
         ];
-        let sums_binding = view.map(|_| Binding::Storage(sums.map_or(records, |sums| &sums.parts)));
-        let own: Vec<_> = own.into_iter().chain(sums_binding).collect();
+        let follows = captured.by.is_to_follow(sums.is_some());
         let of_scene = scene_bindings(geometry, &captured.by, sky);
+        let of_compute = view.map(|view| compute_bindings(geometry, captured, (records, view), follows));
+        let own: Vec<_> = of_captures.into_iter().chain(of_compute.into_iter().flatten()).collect();
         let all = [&own[..], &of_scene].into_iter().filter(|bindings| !bindings.is_empty());
         let layouts = all.clone().map(|bindings| SetLayout::of(device, bindings)).collect::<Result<Vec<_>>>()?;
         let sets = all.zip(&layouts).map(|(bindings, layout)| DescriptorSet::new(layout, bindings));
@@ -157,7 +160,8 @@ impl Integrate {
         let by_hessian = radius == Radius::Hessian && gradients.translation;
         let flags = [sky.is_some(), gradients.rotation, gradients.translation, is_curved, by_hessian];
         let parts = sums.map_or(0, |sums| sums.part_count);
-        let constants = Specialisation(flags.map(u32::from).into_iter().chain([parts]).collect());
+        let constants = flags.map(u32::from).into_iter().chain([parts, u32::from(follows)]);
+        let constants = Specialisation(constants.collect());
         let pipeline = ComputePipeline::new("integrate", &pipeline_layout, code, &constants)?;
         let push = Push {
             texel_count: gpu_texels.len() as u32,
@@ -178,9 +182,38 @@ impl Integrate {
     }
 }
 
+impl CapturedBy<'_> {
+    /// Whether outlines are to be followed between the texels that are integrated; `summed` faces have been.
+    fn is_to_follow(&self, summed: bool) -> bool {
+        match self {
+            Self::Render(_, neighbours) => neighbours.is_some(),
+            Self::Compute(capture) => !summed && capture.neighbours.is_some(),
+        }
+    }
+}
+
+/// Sums of a capture in compute, and what outlines are followed by; where there are none, what is never read.
+fn compute_bindings<'a>(
+    geometry: &'a Geometry,
+    captured: &Captured<'a>,
+    (storage, view): (&'a Buffer, &'a TexelBuffer),
+    follows: bool,
+) -> [Binding<'a>; 4] {
+    let (tree, neighbours) = match captured.by {
+        CapturedBy::Compute(capture) if follows => (geometry.tree.as_ref(), capture.neighbours.as_ref()),
+        _ => (None, None),
+    };
+    [
+        Binding::Storage(captured.gathered.sums.as_ref().map_or(storage, |sums| &sums.parts)),
+        Binding::TexelBuffer(tree.map_or(view, |tree| &tree.corners)),
+        Binding::TexelBuffer(neighbours.unwrap_or(view)),
+        Binding::Storage(if follows { &geometry.cell_radiance } else { storage }),
+    ]
+}
+
 /// What texels see is looked up in the scene, where the capture has not done so.
 fn scene_bindings<'a>(geometry: &'a Geometry, by: &CapturedBy<'a>, sky: Option<&'a Buffer>) -> Vec<Binding<'a>> {
-    let CapturedBy::Render(capture) = by else { return vec![] };
+    let CapturedBy::Render(capture, neighbours) = by else { return vec![] };
     let (positions, indices) = (&geometry.positions, &geometry.indices);
     let identity = capture.identity.as_ref().expect("captures for integration keep identities");
     vec![
@@ -191,6 +224,7 @@ fn scene_bindings<'a>(geometry: &'a Geometry, by: &CapturedBy<'a>, sky: Option<&
         Binding::Texels(identity),
         Binding::Texels(&capture.depth),
         Binding::Storage(sky.unwrap_or(positions)),
+        Binding::Storage(neighbours.unwrap_or(positions)),
     ]
 }
 

@@ -7,6 +7,7 @@ mod closed_forms;
 mod common;
 mod fallbacks;
 mod masks;
+mod outlines;
 mod workgroups;
 
 use common::gpu;

@@ -9,15 +9,25 @@ mod common;
 mod frames;
 
 use common::gpu;
+use hemicube::methods::captures::CaptureMode;
 use hemicube::methods::probes::ProbeError;
-use hemicube::report::stability::{Bench, GROUPS, KINDS, Row, closed_forms, evaluate};
+use hemicube::report::stability::{Bench, GROUPS, KINDS, Kind, Row, closed_forms, evaluate};
+use hemicube::vk::{Device, DeviceChoice, Instance};
+use std::sync::Arc;
 
 /// Runs `measure` with every kind of capture that `name` concerns; a validation message fails the test.
 fn checked(name: &str, measure: impl Fn(&Bench) -> Result<Vec<Row>, ProbeError>) -> Vec<Row> {
-    let device = gpu();
+    let kinds: Vec<_> = KINDS.iter().filter(|kind| kind.covers(name)).collect();
+    checked_on(&gpu(), &kinds, measure)
+}
+
+fn checked_on(
+    device: &Arc<Device>,
+    kinds: &[&Kind],
+    measure: impl Fn(&Bench) -> Result<Vec<Row>, ProbeError>,
+) -> Vec<Row> {
     let before = device.instance.validation_messages();
-    let kinds = KINDS.iter().filter(|kind| kind.covers(name));
-    let rows: Vec<Row> = kinds.flat_map(|kind| kind.rows(&device, &measure).unwrap()).collect();
+    let rows: Vec<Row> = kinds.iter().flat_map(|kind| kind.rows(device, &measure).unwrap()).collect();
     assert_eq!(device.instance.validation_messages() - before, 0, "validation messages; they are printed above");
     assert!(!rows.is_empty());
     for row in &rows {
@@ -98,6 +108,16 @@ rows!(group:
     one_texel_light = "one-texel light",
     slit = "slit",
 );
+
+/// By whole workgroups, which capture where subgroups cannot talk to each other.
+#[test]
+fn cornell_gradients_by_workgroups() {
+    let (_, measure) = GROUPS.into_iter().find(|(group, _)| *group == "Cornell gradients").unwrap();
+    let mut device = Device::new(Instance::new(true).unwrap(), &DeviceChoice::Best).unwrap();
+    Arc::get_mut(&mut device).unwrap().capabilities.subgroup = None;
+    let compute: Vec<_> = KINDS.iter().filter(|kind| kind.mode == CaptureMode::Compute).collect();
+    let _ = checked_on(&device, &compute, measure);
+}
 
 /// No case and no group is left out above.
 #[test]

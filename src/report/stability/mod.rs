@@ -74,12 +74,6 @@ impl Bench {
         probes.surface(&mut recorder, &self.device)
     }
 
-    /// Whether places in `scene` follow outlines over its triangles' edges.
-    fn follows_outlines(&self, scene: &Scene, size: u32) -> Result<bool, ProbeError> {
-        let mut recorder = Recorder::new(&self.device);
-        Ok(Probes::new(&self.device, &mut recorder, scene, &self.settings(size, (1, 1)))?.follows_outlines())
-    }
-
     fn settings(&self, size: u32, (cells, samples): (u32, u32)) -> ProbeSettings {
         ProbeSettings {
             capture: self.capture,
