@@ -96,6 +96,10 @@ fn a_side_between_two_texels_is_followed() {
 /// Wherever they see the same: rasterisers place corners on a grid, so that here and there a texel sees what its neighbour does.
 #[test]
 fn workgroups_follow_what_render_passes_do() {
+    if !gpu().capabilities.clips_before_setup {
+        eprintln!("corners are rounded to 1/16 of a texel here: no two records see the same, nothing is checked");
+        return;
+    }
     let mut b = Builder::default();
     let grey = b.material(diffuse(0.5));
     b.floor(grey, 0.0, 4.0);
