@@ -126,9 +126,11 @@ void rasterise(Triangle t, Texels within, Depths depths, uint id) {
     Sides sides = sides_of(vec3(ea.x, eb.x, ec.x), vec3(ea.y, eb.y, ec.y), vec3(ea.z, eb.z, ec.z));
     vec2 at = vec2(0.0, within.low.y - 1.0);
     float last = -1.0;  // column of the row
-    if (is_empty(within) || volume == 0.0) within.high.y = -1.0;
+    // Bounds that are no numbers are none: of triangles without extent, on devices that hand such numbers on.
+    if (!all(lessThanEqual(within.low, within.high)) || !(volume > 0.0)) within.high.y = -1.0;
     while (at.y < within.high.y || (at.y == within.high.y && at.x <= last)) {
-        if (at.x > last) {
+        // No number, which sides without length may give, ends its row: the loop comes to an end.
+        if (!(at.x <= last)) {
             ++at.y;
             vec2 between = columns(sides, within, texel_centre(at).y);
             at.x = between.x;
