@@ -5,13 +5,7 @@ layout(set = 0, binding = 15) uniform textureBuffer across;  // numbers plus 1 (
                                                              // opposite to the corners; 0: none
 
 #include "inc/outlines.glsl"
-
-Facet facet(uint number) {
-    int at = 3 * int(number - 1);
-    return Facet(texelFetch(corners, at), texelFetch(corners, at + 1), texelFetch(corners, at + 2).xyz);
-}
-
-uvec3 across_of(uint number) { return floatBitsToUint(texelFetch(across, int(number - 1)).xyz); }
+#include "inc/tree_facets.glsl"
 
 vec3 facet_light(uint number, Facet f, vec3 eye, vec3 way) {
     return light_of(f.a, f.b, f.a.xyz - eye, f.b.xyz - f.a.xyz, f.c - f.a.xyz, way);

@@ -14,12 +14,7 @@ layout(set = 1, binding = 7, std430) readonly buffer Across { uint across[]; }; 
 #include "inc/outlines.glsl"
 
 #ifdef FROM_COMPUTE
-Facet facet(uint number) {
-    int at = 3 * int(number - 1);
-    return Facet(texelFetch(corners, at), texelFetch(corners, at + 1), texelFetch(corners, at + 2).xyz);
-}
-
-uvec3 across_of(uint number) { return floatBitsToUint(texelFetch(across, int(number - 1)).xyz); }
+#include "inc/tree_facets.glsl"
 
 // Of coarse triangles there are none: scenes that have them have more triangles than a capture in shared memory has texels.
 uint facet_cell(uint number, Facet f, vec2 uv) {

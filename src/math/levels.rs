@@ -44,9 +44,14 @@ impl Bound {
     /// Of what nothing replaces.
     pub const NEVER: Self = Self { low: Vec3::ZERO, high: Vec3::ZERO, error: f32::MAX };
 
+    /// From a point to the nearest one of its box.
+    pub fn distance(&self, p: Vec3) -> f32 {
+        (self.low - p).max(p - self.high).max(Vec3::ZERO).length()
+    }
+
     /// Whether it is fine enough to be looked at from `eye`, where an error of `allowed` is at distance 1.
     pub fn suffices(&self, eye: Vec3, allowed: f32) -> bool {
-        self.error <= allowed * (self.low - eye).max(eye - self.high).max(Vec3::ZERO).length()
+        self.error <= allowed * self.distance(eye)
     }
 }
 

@@ -47,11 +47,6 @@ impl Bounds {
         (self.high - self.low).truncate()
     }
 
-    /// From a point to the nearest one of its own.
-    pub fn distance(self, p: Vec3) -> f32 {
-        (self.low.truncate() - p).max(p - self.high.truncate()).max(Vec3::ZERO).length()
-    }
-
     /// Half its surface area.
     pub fn area(self) -> f32 {
         let d = self.size();

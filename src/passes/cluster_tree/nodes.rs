@@ -68,10 +68,13 @@ impl Middle {
         Self { packed: place.packed | (parts.ceil().min(Self::PARTS) as u32) << 24 }
     }
 
-    /// Of boxes in `whole`: the middle of the smallest box that meets all of them.
-    fn of(whole: Bounds, boxes: &[Bounds]) -> Self {
-        let low = boxes.iter().fold(Vec3::INFINITY, |least, b| least.min(b.high.truncate()));
-        let high = boxes.iter().fold(Vec3::NEG_INFINITY, |most, b| most.max(b.low.truncate()));
+    /// Of boxes in `whole`: the middle of the smallest box that meets all of them. Where there are none nobody asks.
+    fn of(whole: Bounds, boxes: &[Bound]) -> Self {
+        if boxes.is_empty() {
+            return Self { packed: 0 };
+        }
+        let low = boxes.iter().fold(Vec3::INFINITY, |least, b| least.min(b.high));
+        let high = boxes.iter().fold(Vec3::NEG_INFINITY, |most, b| most.max(b.low));
         Self::new(whole, 0.5 * (low + high), |point| boxes.iter().map(|b| b.distance(point)).fold(0.0, f32::max))
     }
 
@@ -133,8 +136,7 @@ impl Group {
         errors.high.w = self.coarser.error;
         let bounds = Bounds::around(self.clusters.iter().map(|c| c.1));
         // What is exact suffices at any distance.
-        let own = self.clusters.iter().map(|c| c.0.own).filter(|own| own.error > 0.0);
-        let own: Vec<_> = own.map(Bounds::from).collect();
+        let own: Vec<_> = self.clusters.iter().map(|c| c.0.own).filter(|own| own.error > 0.0).collect();
         let middle = Middle::of(errors, &own);
         Node { bounds, errors }.holding(first, self.clusters.len(), middle)
     }
@@ -179,6 +181,10 @@ mod tests {
         1.0001 * (node.middle().point(node.errors).distance(eye) + node.middle().distance(node.errors))
     }
 
+    fn bound(a: Vec3, b: Vec3) -> Bound {
+        Bound { low: a.min(b), high: a.max(b), error: 1.0 }
+    }
+
     /// Nodes over nodes over boxes of any shape and place: no box is further from an eye than their nodes say.
     #[test]
     fn no_box_is_further_than_its_node_says() {
@@ -190,9 +196,9 @@ mod tests {
         };
         for turn in 0..200 {
             let size = [1e-3, 1.0, 1e4][turn % 3];
-            let boxes = [0; 8].map(|_| [0; 5].map(|_| Bounds::of(&[point(size), point(size)])));
+            let boxes = [0; 8].map(|_| [0; 5].map(|_| bound(point(size), point(size))));
             let groups = boxes.map(|of_group| {
-                let errors = Bounds::around(of_group);
+                let errors = Bounds::around(of_group.map(Bounds::from));
                 Node { bounds: errors, errors }.holding(0, 5, Middle::of(errors, &of_group))
             });
             let all = Node::around(&groups);
@@ -210,8 +216,8 @@ mod tests {
     /// Boxes that have a point in common: an eye is no further from any of them than from it.
     #[test]
     fn overlapping_boxes_are_no_further_than_what_they_share() {
-        let boxes = [[0.0, 6.0], [4.0, 10.0], [1.0, 5.0]].map(|[a, b]| Bounds::of(&[Vec3::splat(a), Vec3::splat(b)]));
-        let errors = Bounds::around(boxes);
+        let boxes = [[0.0, 6.0], [4.0, 10.0], [1.0, 5.0]].map(|[a, b]| bound(Vec3::splat(a), Vec3::splat(b)));
+        let errors = Bounds::around(boxes.map(Bounds::from));
         let node = Node { bounds: errors, errors }.holding(3, 3, Middle::of(errors, &boxes));
         assert_eq!(node.children(), 8 * 3 + 2);
         assert!(farthest(&node, Vec3::splat(4.5)) < 0.1, "{}", farthest(&node, Vec3::splat(4.5)));
