@@ -55,6 +55,19 @@ impl Density {
         let cell = (1.0 / (self.even + near)).max(least);
         (area_of(corners) / cell).sqrt().round().clamp(1.0, 1024.0) as u32
     }
+
+    /// Whether a triangle has at most `most` cells, as small everywhere as at its corner nearest to the eye, and no side longer than
+    /// the eye is away from there: cells of one size do for it.
+    pub fn is_even(&self, corners: &[Vec3; 3], most: f64) -> bool {
+        let [a, b, c] = *corners;
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        let (near, allowed) = self.eye.map_or((0.0, f32::INFINITY), |eye| {
+            let nearest = corners.iter().map(|p| p.distance_squared(eye.position)).fold(f32::INFINITY, f32::min);
+            let away = nearest + eye.nearest.powi(2);
+            (self.near / f64::from(away), away)
+        });
+        longest <= allowed && area_of(corners) * (self.even + near) <= most
+    }
 }
 
 fn area_of([a, b, c]: &[Vec3; 3]) -> f64 {

@@ -6,18 +6,22 @@
 //! what replaces it is not. Both are measured from boxes that hold all that a group stands for, so that wherever one looks
 //! from, the clusters shown are the whole surface once, without a gap.
 //!
+//! Where a surface has many vertices in flat places, the finest level is the same surface by fewer triangles, coarse ones too.
+//!
 //! Coarse triangles have cells of light like those of the surface, each of which shows one of the surface's.
 
+mod base;
 mod cells;
+mod coarse;
 #[cfg(test)]
 mod tests;
 
 use super::adjacency;
 use super::density::Density;
-use cells::Piece;
+use coarse::CoarseCells;
 use glam::Vec3;
 use meshopt::{ClodConfig, ClodMesh, VertexDataAdapter};
-use rayon::prelude::*;
+use rayon::slice::ParallelSliceMut;
 
 /// Triangles of a cluster, at most.
 pub const CLUSTER: usize = 64;
@@ -114,7 +118,7 @@ struct Group {
     bound: Bound,
     level: u32,
     /// Clusters that are simplified together.
-    merged: Vec<usize>,
+    replaced: Vec<usize>,
     /// Those that replace them.
     made: Vec<usize>,
 }
@@ -131,41 +135,10 @@ impl Levels {
         // Without seams: only positions matter.
         let first_at = adjacency::weld(surface.positions);
         let welded: Vec<_> = surface.triangles.iter().map(|t| t.map(|v| first_at[v as usize])).collect();
-        let mut graph = Graph::new(surface.positions, &welded);
+        let mut graph = Graph::new(surface.positions, &base::of(surface, &welded));
         let (triangles, errors) = graph.name_triangles(&welded, first.triangle);
-        // Where it is shown, an error of the surface may be seen: no finer need its light be.
-        let resolution = |(t, e): (&[u32; 3], &f32)| {
-            surface.density.resolution(&corners(surface.positions, *t), f64::from(*e).powi(2))
-        };
-        let mut resolutions: Vec<u32> = triangles.iter().zip(&errors).map(resolution).collect();
-        let of_surface = surface.first_cell[surface.triangles.len()] - surface.first_cell[0];
-        limit(&mut resolutions, u64::from(of_surface) * u64::from(MOST_COARSE_CELLS));
-        let mut first_cell = vec![first.cell];
-        first_cell.extend(resolutions.iter().scan(first.cell, |next, r| {
-            *next += r * r;
-            Some(*next)
-        }));
-        let piece = |triangle: u32| match triangle.checked_sub(first.triangle) {
-            None => {
-                let [from, end] = [0, 1].map(|i| surface.first_cell[triangle as usize + i]);
-                Piece::new(corners(surface.positions, surface.triangles[triangle as usize]), from, (end - from).isqrt())
-            }
-            Some(coarse) => {
-                let coarse = coarse as usize;
-                Piece::new(corners(surface.positions, triangles[coarse]), first_cell[coarse], resolutions[coarse])
-            }
-        };
-        let pieces = |clusters: &[usize]| {
-            clusters.iter().flat_map(|c| &graph.clusters[*c].triangles).map(|t| piece(*t)).collect::<Vec<_>>()
-        };
-        let shown: Vec<_> =
-            graph.groups.par_iter().map(|g| cells::shown(pieces(&g.made), pieces(&g.merged), g.bound.error)).collect();
-        let mut shown_cell = vec![0; (first_cell[first_cell.len() - 1] - first.cell) as usize];
-        // By level: what a finer coarse cell shows is known by then.
-        for (coarse, fine) in shown.into_iter().flatten() {
-            let through = fine.checked_sub(first.cell).map(|finer| shown_cell[finer as usize]);
-            shown_cell[(coarse - first.cell) as usize] = through.unwrap_or(fine);
-        }
+        let cells = CoarseCells::new(surface, first, &triangles, &errors);
+        let (shown_cell, first_cell) = (cells.shown(&graph), cells.first_cell);
         Self { clusters: graph.into_clusters(), triangles, first_cell, shown_cell }
     }
 }
@@ -185,8 +158,8 @@ impl Graph {
     fn add(&mut self, group: &meshopt::ClodGroup, clusters: &[meshopt::ClodCluster<'_>]) -> i32 {
         let index = self.groups.len();
         let bound = Bound { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, error: group.simplified.error };
-        let merged = (self.clusters.len()..self.clusters.len() + clusters.len()).collect();
-        self.groups.push(Group { bound, level: group.depth as u32, merged, made: Vec::new() });
+        let replaced = (self.clusters.len()..self.clusters.len() + clusters.len()).collect();
+        self.groups.push(Group { bound, level: group.depth as u32, replaced, made: Vec::new() });
         for cluster in clusters {
             let refined = usize::try_from(cluster.refined).ok();
             if let Some(finer) = refined {
@@ -203,7 +176,7 @@ impl Graph {
     fn bound(&mut self, positions: &[Vec3]) {
         for index in 0..self.groups.len() {
             let mut bound = self.groups[index].bound;
-            for cluster in &self.groups[index].merged {
+            for cluster in &self.groups[index].replaced {
                 let Made { refined, triangles, .. } = &self.clusters[*cluster];
                 let vertices = triangles.iter().flat_map(|t| self.corners[*t as usize]);
                 for p in vertices.map(|v| positions[v as usize]) {
@@ -218,29 +191,26 @@ impl Graph {
         }
     }
 
-    /// Gives triangles their numbers; returns the coarse ones, level by level, with their errors.
+    /// Gives triangles their numbers, those of `welded` that they are; returns the others, level by level, with their errors.
     fn name_triangles(&mut self, welded: &[[u32; 3]], first_coarse: u32) -> (Vec<[u32; 3]>, Vec<f32>) {
         let names = self.names(welded);
         let (mut coarse, mut errors) = (Vec::new(), Vec::new());
         for cluster in &mut self.clusters {
             for triangle in &mut cluster.triangles {
                 let place = *triangle as usize;
-                *triangle = match cluster.refined {
-                    None => names[place],
-                    Some(group) => {
-                        coarse.push(self.corners[place]);
-                        errors.push(self.groups[group].bound.error);
-                        first_coarse + coarse.len() as u32 - 1
-                    }
-                };
+                *triangle = names[place].unwrap_or_else(|| {
+                    coarse.push(self.corners[place]);
+                    errors.push(cluster.refined.map_or(0.0, |group| self.groups[group].bound.error));
+                    first_coarse + coarse.len() as u32 - 1
+                });
             }
         }
         (coarse, errors)
     }
 
-    /// The number in `triangles` of each triangle of the finest clusters, by its place: found by its corners, whichever
-    /// comes first.
-    fn names(&self, triangles: &[[u32; 3]]) -> Vec<u32> {
+    /// The number in `triangles` of each triangle of the finest clusters that is one of them, by its place: found by its corners,
+    /// whichever comes first.
+    fn names(&self, triangles: &[[u32; 3]]) -> Vec<Option<u32>> {
         let turned = |t: [u32; 3]| match t.iter().min() {
             Some(least) if *least == t[1] => [t[1], t[2], t[0]],
             Some(least) if *least == t[2] => [t[2], t[0], t[1]],
@@ -251,13 +221,11 @@ impl Graph {
         let mut asked: Vec<_> = finest.map(|place| (turned(self.corners[*place as usize]), *place)).collect();
         known.par_sort_unstable();
         asked.par_sort_unstable();
-        let mut names = vec![0; self.corners.len()];
+        let mut names = vec![None; self.corners.len()];
         let mut candidates = known.into_iter().peekable();
         for (corners, place) in asked {
             while candidates.next_if(|(other, _)| *other < corners).is_some() {}
-            if let Some((_, name)) = candidates.next() {
-                names[place as usize] = name;
-            }
+            names[place as usize] = candidates.next_if(|(other, _)| *other == corners).map(|(_, name)| name);
         }
         names
     }
@@ -272,17 +240,6 @@ impl Graph {
         };
         clusters.into_iter().map(cluster).collect()
     }
-}
-
-/// Lowers resolutions, all by the same share, until they come to `most` cells, or to one each.
-fn limit(resolutions: &mut [u32], most: u64) {
-    let shared = |r: u32, share: f64| ((f64::from(r) * share) as u32).max(1);
-    let cells = |share| resolutions.iter().map(|r| u64::from(shared(*r, share)).pow(2)).sum::<u64>();
-    let mut share = 1.0;
-    while cells(share) > most.max(resolutions.len() as u64) {
-        share *= 0.95;
-    }
-    resolutions.iter_mut().for_each(|r| *r = shared(*r, share));
 }
 
 /// Only what keeps the surface's topology: what moves pieces onto each other shows what they hide.

@@ -6,6 +6,7 @@ pub mod cells;
 pub mod density;
 pub mod form_factor;
 pub mod levels;
+pub mod merge;
 pub mod outline;
 pub mod sampling;
 pub mod sequence;

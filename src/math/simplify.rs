@@ -19,11 +19,11 @@ pub fn simplified(positions: &[Vec3], triangles: &[[u32; 3]], error: f32) -> Vec
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// A closed box of squares, `n` a side, whose lid is a wave of that height.
-    fn wavy_box(n: u32, height: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    pub(in crate::math) fn wavy_box(n: u32, height: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let mut positions = Vec::new();
         let mut triangles = Vec::new();
         let mut face = |at: &dyn Fn(f32, f32) -> Vec3| {
@@ -49,6 +49,15 @@ mod tests {
         (positions, triangles)
     }
 
+    /// Within a closed surface.
+    pub(in crate::math) fn volume(positions: &[Vec3], triangles: &[[u32; 3]]) -> f64 {
+        let below = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| positions[v as usize].as_dvec3());
+            a.dot(b.cross(c)) / 6.0
+        };
+        triangles.iter().map(below).sum()
+    }
+
     #[test]
     fn few_triangles_stay_close_and_closed() {
         let (positions, triangles) = wavy_box(64, 0.1);
@@ -58,12 +67,8 @@ mod tests {
         for triangles in [fewer, few] {
             let across = adjacency::neighbours(&triangles, &positions);
             assert!(across.iter().flatten().all(|t| *t != adjacency::NONE), "no gaps");
-            let volume = |t: &[u32; 3]| {
-                let [a, b, c] = t.map(|v| positions[v as usize]);
-                a.dot(b.cross(c)) / 6.0
-            };
             // A wave's volume is small, for its parts have both signs; an error of .01 everywhere would be 1 %.
-            let volume: f32 = triangles.iter().map(volume).sum();
+            let volume = volume(&positions, &triangles);
             assert!((volume - 1.0).abs() < 0.01, "{volume}");
         }
     }

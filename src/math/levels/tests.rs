@@ -1,6 +1,7 @@
 use super::*;
 use crate::math::cells::centre;
 use crate::math::density::Eye;
+use glam::Vec2;
 
 /// A sheet of `side`² squares of size 1/side, bent by `height`, a cell a triangle.
 struct Sheet {
@@ -45,6 +46,12 @@ fn shown<'a>(levels: &'a Levels, eye: Vec3, allowed: f32) -> impl Iterator<Item 
     levels.clusters.iter().filter(is_shown).flat_map(|c| c.triangles.iter().copied())
 }
 
+/// Area of a triangle's shadow on the sheet's plane.
+fn shadow(sheet: &Sheet, levels: &Levels, triangle: u32) -> f32 {
+    let [a, b, c] = sheet.corners(levels, triangle).map(|p| p.truncate());
+    (b - a).perp_dot(c - a) * 0.5
+}
+
 #[test]
 fn the_finest_level_is_every_triangle_once() {
     let levels = Sheet::new(64, 0.1).levels();
@@ -61,11 +68,7 @@ fn from_anywhere_clusters_shown_are_the_whole_surface_once() {
     let mut fewest = usize::MAX;
     for (x, z) in [(0.3, 0.01), (0.9, 0.2), (0.5, 1.0), (-2.0, 5.0), (0.5, 100.0)] {
         let chosen: Vec<u32> = shown(&levels, Vec3::new(x, 0.4, z), 0.03).collect();
-        let area = |t: &u32| {
-            let [a, b, c] = sheet.corners(&levels, *t).map(|p| p.truncate());
-            (b - a).perp_dot(c - a) * 0.5
-        };
-        let total: f32 = chosen.iter().map(area).sum();
+        let total: f32 = chosen.iter().map(|t| shadow(&sheet, &levels, *t)).sum();
         assert!((total - 1.0).abs() < 1e-4, "{total} from {x}, {z}");
         fewest = fewest.min(chosen.len());
     }
@@ -114,5 +117,35 @@ fn coarse_cells_are_no_more_than_memory_is_foreseen_for() {
         let share = coarse as f64 / f64::from(cells);
         assert!(share > 0.9 * f64::from(MOST_COARSE_CELLS), "few: nothing to limit in {share}");
         assert!(share <= f64::from(MOST_COARSE_CELLS), "{share}");
+    }
+}
+
+/// What is flat needs few triangles, however near one looks: those cover it once, and their cells show what lies beneath them.
+#[test]
+fn flat_ground_is_exact_by_fewer_triangles() {
+    let side = 64;
+    let mut sheet = Sheet::new(side, 0.0);
+    let bent = |p: &Vec3| Vec3::new(p.x, p.y, if p.x > 0.75 { 0.1 * (40.0 * (p.x - 0.75) * p.y).sin() } else { 0.0 });
+    sheet.positions = sheet.positions.iter().map(bent).collect();
+    let levels = sheet.levels();
+    let count = sheet.triangles.len() as u32;
+    let finest: Vec<_> = levels.clusters.iter().filter(|c| c.level == 0).flat_map(|c| &c.triangles).copied().collect();
+    let nearby: Vec<u32> = shown(&levels, Vec3::new(0.3, 0.4, 0.01), 0.0).collect();
+    assert!(nearby.len() == finest.len() && nearby.len() < sheet.triangles.len() / 2, "{} of {count}", nearby.len());
+    let is_bent = |t: &[u32; 3]| t.iter().all(|v| sheet.positions[*v as usize].x > 0.76);
+    assert!(nearby.iter().filter(|t| **t < count).count() >= sheet.triangles.iter().filter(|t| is_bent(t)).count());
+    let area: f32 = nearby.iter().map(|t| shadow(&sheet, &levels, *t)).sum();
+    assert!((area - 1.0).abs() < 1e-4, "{area}");
+    for triangle in nearby.into_iter().filter(|t| *t >= count) {
+        let index = (triangle - count) as usize;
+        let [first, end] = [levels.first_cell[index], levels.first_cell[index + 1]];
+        let [a, b, c] = sheet.corners(&levels, triangle);
+        for cell in first..end {
+            let uv = centre((end - first).isqrt(), cell - first);
+            let at = a + uv.x * (b - a) + uv.y * (c - a);
+            let [p, q, r] = sheet.corners(&levels, levels.shown_cell[(cell - count) as usize]).map(|p| p.truncate());
+            let within = |a: Vec2, b: Vec2| (b - a).perp_dot(at.truncate() - a) > -1e-6;
+            assert!(within(p, q) && within(q, r) && within(r, p), "{at} is not beneath");
+        }
     }
 }
