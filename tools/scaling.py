@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """How the cost of a record grows with the scene's triangles: the same surface cut finer and finer.
 
-  tools/scaling.py SCENE.gltf -o chart.svg [--levels 3] [--runs 3] [-- OPTIONS]
+  tools/scaling.py SCENE.gltf -o chart.svg [--levels 3] [--runs 3] [--rough 0.001] [-- OPTIONS]
 
 Cuts the scene by tools/tessellate.py into 4, 16, 64, … times the triangles, renders each at 64 × 64 pixels with default
 settings (and OPTIONS of `hemicube render`), in turns, and prints a table: triangles, records, microseconds a record of all
@@ -54,6 +54,7 @@ def main():
     parser.add_argument("-o", "--output", type=Path, required=True, help="chart to write, SVG")
     parser.add_argument("--levels", type=int, default=3, help="finest: 4^LEVELS times the triangles (3)")
     parser.add_argument("--runs", type=int, default=3, help="runs of each (3)")
+    parser.add_argument("--rough", type=float, default=0.0, help="what tools/tessellate.py moves vertices by, of each finer one (0)")
     arguments = parser.parse_args(sys.argv[1:split])
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -61,7 +62,7 @@ def main():
         for level in range(1, arguments.levels + 1):
             scenes.append(folder / f"{4 ** level}.gltf")
             subprocess.run([sys.executable, Path(__file__).with_name("tessellate.py"), arguments.scene.resolve(), "-o", scenes[-1],
-                            "--levels", str(level)], check=True, stdout=subprocess.DEVNULL)
+                            "--levels", str(level), "--rough", str(arguments.rough)], check=True, stdout=subprocess.DEVNULL)
         runs = [[measure(scene, sys.argv[split + 1:], folder) for scene in scenes] for _ in range(arguments.runs)]
     best = [min(column, key=lambda run: run[2]) for column in zip(*runs, strict=True)]
     print("| triangles | records | µs a record | | device memory |\n|--:|--:|--:|--:|--:|")

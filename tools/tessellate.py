@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Cut every triangle of a glTF scene into 4^LEVELS equal ones, to measure how time grows with detail.
 
-    tools/tessellate.py SCENE.gltf -o FINE.gltf --levels 2
+    tools/tessellate.py SCENE.gltf -o FINE.gltf --levels 2 [--rough 0.001]
 
-The surface stays the same: corners are added, none is moved. Meshes must be triangle lists of plain float attributes with
+The surface stays the same: corners are added, none is moved. With --rough all are, each its own way, so that nothing is flat. Meshes must be triangle lists of plain float attributes with
 indices, in files beside the scene; textures are found where they are. Wants numpy (tools/setup.sh --peers).
 """
 
@@ -51,6 +51,14 @@ def cut(attributes, triangles):
     return fine, np.stack(pieces).transpose(2, 0, 1).reshape(-1, 3)
 
 
+def moved(positions, distance):
+    """Positions, each moved along every axis by up to that distance: by its bits, so that what met still meets."""
+    words = np.ascontiguousarray(positions).view(np.uint32).astype(np.uint64)
+    mixed = words @ np.array([[73856093, 19349663, 83492791], [49979687, 86028121, 15485863], [32452843, 67867967, 22801763]], np.uint64)
+    mixed = (mixed ^ mixed >> 15) * np.uint64(0x9E3779B97F4A7C15) >> np.uint64(40)
+    return positions + np.float32(distance) * (mixed.astype(np.float32) / 2**23 - 1)
+
+
 class Output:
     """Buffer, views and accessors of the new file."""
 
@@ -73,6 +81,7 @@ def main():
     parser.add_argument("scene", type=Path)
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument("--levels", type=int, default=2, help="4^LEVELS triangles for one (default 2: 16)")
+    parser.add_argument("--rough", type=float, default=0.0, help="how far vertices are moved along each axis, at most (default 0)")
     arguments = parser.parse_args()
 
     document = json.loads(arguments.scene.read_text())
@@ -86,6 +95,8 @@ def main():
             for _ in range(arguments.levels):
                 attributes, triangles = cut(attributes, triangles)
             total += len(triangles)
+            if arguments.rough > 0:
+                attributes["POSITION"] = moved(attributes["POSITION"], arguments.rough)
             for name, values in attributes.items():
                 bounds = {}
                 if name == "POSITION":

@@ -7,6 +7,7 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
+use std::borrow::Cow;
 use std::time::Duration;
 
 /// How far the surface may move, in parts of its radius: less than records are lifted, more than corners are rounded.
@@ -17,11 +18,11 @@ const MOST_CELLS: f64 = 256.0;
 const WORTH_IT: f64 = 0.75;
 
 /// Triangles of the surface, whose corners are `welded`; or as many fewer as cover the same.
-pub fn of(surface: &Surface<'_>, welded: &[[u32; 3]]) -> Vec<[u32; 3]> {
+pub fn of<'a>(surface: &Surface<'_>, welded: &'a [[u32; 3]]) -> Cow<'a, [[u32; 3]]> {
     let may_be = |corners: &[Vec3; 3]| surface.density.is_even(corners, MOST_CELLS);
     let tolerance = FLATNESS * f64::from(radius(surface));
     let fewer = merged(surface.positions, welded, tolerance, may_be);
-    if fewer.len() as f64 <= WORTH_IT * welded.len() as f64 { fewer } else { welded.to_vec() }
+    if fewer.len() as f64 <= WORTH_IT * welded.len() as f64 { fewer.into() } else { welded.into() }
 }
 
 fn radius(surface: &Surface<'_>) -> f32 {
