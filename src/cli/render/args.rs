@@ -59,7 +59,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", help_heading = "Irradiance cache")]
     pub(super) capture_size: Option<u32>,
     /// Most that distant triangles may be wrong by in captures in compute, in texels of a hemicube: where a scene has many
-    /// triangles, coarser ones stand for them at a distance, and cast the sky's shadows on surface cells. 0: all are drawn
+    /// triangles, coarser ones stand for them at a distance, fewer ones for those of flat places, and coarser ones cast the
+    /// sky's shadows on surface cells. 0: all are drawn
     #[arg(long, value_name = "TEXELS", help_heading = "Irradiance cache")]
     pub(super) lod_error: Option<f32>,
     /// Full angle that --capture plane sees along each axis, in degrees, 10 to 170; 126.87 is twice as wide as it is far
