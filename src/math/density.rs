@@ -120,4 +120,21 @@ mod tests {
         let below = floor.iter().position(|t| t[0] == Vec3::ZERO).unwrap();
         assert!(seen[below] > 20 * even[below], "{} {}", seen[below], even[below]);
     }
+
+    /// The same triangle is even far from the eye, not beside it; a larger one not where it has too many cells.
+    #[test]
+    fn what_is_small_and_far_is_even() {
+        let floor = floor(20);
+        let density = Density::new(floor.iter().copied(), 1 << 14, Some(Eye::new(Vec3::Y, 28.0)));
+        let even = |[x, z]: [f32; 2], side: f32, most: f64| {
+            density
+                .is_even(&[[0.0, 0.0], [0.0, side], [side, 0.0]].map(|[dx, dz]| Vec3::new(x + dx, 0.0, z + dz)), most)
+        };
+        assert!(even([10.0, 3.0], 4.0, 1e3) && !even([0.0, 0.0], 4.0, 1e9));
+        assert!(even([0.0, 0.0], 0.5, 1e3) && !even([0.0, 0.0], 0.5, 10.0));
+        // Half of the cells are even: 16384 / 2 over 1600 of area, 41 of 8.
+        assert!(!even([10.0, 3.0], 4.0, 41.0));
+        let all = Density::new(floor.iter().copied(), 1 << 14, None);
+        assert!(all.is_even(&floor[0], 5.2) && !all.is_even(&floor[0], 5.0), "16384 over 3200 triangles are 5.12");
+    }
 }
