@@ -3,8 +3,8 @@
 
     tools/tessellate.py SCENE.gltf -o FINE.gltf --levels 2 [--rough 0.001]
 
-The surface stays the same: corners are added, none is moved. With --rough all are, each its own way, so that nothing is flat. Meshes must be triangle lists of plain float attributes with
-indices, in files beside the scene; textures are found where they are. Wants numpy (tools/setup.sh --peers).
+The surface stays the same: corners are added, none is moved. With --rough all are, each its own way, so that nothing is flat. Meshes
+must be triangle lists of plain float attributes with indices, in files beside the scene; textures are found where they are. Wants numpy (tools/setup.sh --peers).
 """
 
 import argparse

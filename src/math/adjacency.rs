@@ -48,8 +48,14 @@ fn bend(triangles: &[[u32; 3]], positions: &[Vec3], one: u32, other: u32) -> f32
     rise(one).dot(rise(other))
 }
 
+/// `triangles` without seams: corners are the same where their positions are equal, by the first vertex there.
+pub fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let first_at = weld(positions);
+    triangles.iter().map(|t| t.map(|v| first_at[v as usize])).collect()
+}
+
 /// The first vertex at each vertex's position.
-pub fn weld(positions: &[Vec3]) -> Vec<u32> {
+fn weld(positions: &[Vec3]) -> Vec<u32> {
     // Adding zero makes −0 and 0 the same.
     let bits = |index: u32| (positions[index as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();

@@ -6,7 +6,8 @@
 //! what replaces it is not. Both are measured from boxes that hold all that a group stands for, so that wherever one looks
 //! from, the clusters shown are the whole surface once, without a gap.
 //!
-//! Where a surface has many vertices in flat places, the finest level is the same surface by fewer triangles, coarse ones too.
+//! Where a surface has many vertices in flat places, the finest level is the same surface by fewer triangles; those that are not the
+//! surface's own are coarse triangles as well.
 //!
 //! Coarse triangles have cells of light like those of the surface, each of which shows one of the surface's.
 
@@ -133,8 +134,7 @@ impl Levels {
     /// Simplifies `surface`.
     pub fn new(surface: &Surface<'_>, first: First) -> Self {
         // Without seams: only positions matter.
-        let first_at = adjacency::weld(surface.positions);
-        let welded: Vec<_> = surface.triangles.iter().map(|t| t.map(|v| first_at[v as usize])).collect();
+        let welded = adjacency::welded(surface.positions, surface.triangles);
         let mut graph = Graph::new(surface.positions, &base::of(surface, &welded));
         let (triangles, errors) = graph.name_triangles(&welded, first.triangle);
         let cells = CoarseCells::new(surface, first, &triangles, &errors);

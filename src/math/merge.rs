@@ -211,20 +211,19 @@ impl<'a> Mesh<'a> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::math::adjacency;
     use crate::math::simplify::tests::{volume, wavy_box};
     use std::collections::HashSet;
 
     fn welded((positions, triangles): (Vec<Vec3>, Vec<[u32; 3]>)) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-        let first_at = adjacency::weld(&positions);
-        let triangles = triangles.iter().map(|t| t.map(|v| first_at[v as usize])).collect();
+        let triangles = adjacency::welded(&positions, &triangles);
         (positions, triangles)
     }
 
     /// Squares of the unit square, n a side, each of two triangles, as high as `height` says.
-    fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    pub(in crate::math) fn sheet(n: u32, height: impl Fn(f32, f32) -> f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         let point = |i: u32| {
             let [x, y] = [i % (n + 1), i / (n + 1)].map(|v| v as f32 / n as f32);
             Vec3::new(x, y, height(x, y))
@@ -238,13 +237,14 @@ mod tests {
         adjacency::neighbours(triangles, positions).iter().flatten().all(|t| *t != NONE)
     }
 
-    /// The area above the plane that triangles cover, each by its own sign.
-    fn shadow(positions: &[Vec3], triangles: &[[u32; 3]]) -> f32 {
-        let area = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| positions[v as usize].truncate());
-            (b - a).perp_dot(c - a) * 0.5
-        };
-        triangles.iter().map(area).sum()
+    /// Area of a triangle's shadow on the sheet's plane, negative if it is turned over.
+    pub(in crate::math) fn shadow(corners: [Vec3; 3]) -> f32 {
+        let [a, b, c] = corners.map(|p| p.truncate());
+        (b - a).perp_dot(c - a) * 0.5
+    }
+
+    fn shadows(positions: &[Vec3], triangles: &[[u32; 3]]) -> f32 {
+        triangles.iter().map(|t| shadow(t.map(|v| positions[v as usize]))).sum()
     }
 
     #[test]
@@ -279,7 +279,7 @@ mod tests {
         let (positions, triangles) = sheet(256, dome);
         for tolerance in [1e-6, 1e-5, 1e-4] {
             let few = merged(&positions, &triangles, tolerance, |_| true);
-            assert!((shadow(&positions, &few) - 1.0).abs() < 1e-4);
+            assert!((shadows(&positions, &few) - 1.0).abs() < 1e-4);
             let off = |t: &[u32; 3], [u, v]: [f32; 2]| {
                 let [a, b, c] = t.map(|v| positions[v as usize]);
                 let p = a + u * (b - a) + v * (c - a);
@@ -299,7 +299,7 @@ mod tests {
         let few = merged(&positions, &triangles, 1e-6, |corners| longest(corners) < 0.3);
         assert!(few.iter().all(|t| longest(&t.map(|v| positions[v as usize])) < 0.3));
         assert!((30..200).contains(&few.len()), "{}", few.len());
-        assert!((shadow(&positions, &few) - 1.0).abs() < 1e-5);
+        assert!((shadows(&positions, &few) - 1.0).abs() < 1e-5);
     }
 
     /// Three sheets that share a side, one of them with a notch: of the side every vertex stays, and the notch.

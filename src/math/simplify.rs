@@ -8,13 +8,12 @@ use meshopt::{SimplifyOptions, VertexDataAdapter};
 /// `error`, in the positions' unit and as quadrics measure it. Corners are some of `positions`; what is joined or closed stays so.
 pub fn simplified(positions: &[Vec3], triangles: &[[u32; 3]], error: f32) -> Vec<[u32; 3]> {
     // Without seams: only positions matter.
-    let first_at = adjacency::weld(positions);
-    let welded: Vec<u32> = triangles.as_flattened().iter().map(|v| first_at[*v as usize]).collect();
+    let welded = adjacency::welded(positions, triangles);
     let bytes = bytemuck::cast_slice(positions);
     let vertices = VertexDataAdapter::new(bytes, size_of::<Vec3>(), 0).expect("positions are whole vertices");
     // Sparse: vertices that are not named are none, and do not stand beside those at their positions.
     let options = SimplifyOptions::ErrorAbsolute | SimplifyOptions::Sparse;
-    let corners = meshopt::simplify(&welded, &vertices, 0, error, options, None);
+    let corners = meshopt::simplify(welded.as_flattened(), &vertices, 0, error, options, None);
     corners.as_chunks::<3>().0.to_vec()
 }
 

@@ -1,6 +1,7 @@
 use super::*;
 use crate::math::cells::centre;
 use crate::math::density::Eye;
+use crate::math::merge::tests::{shadow, sheet};
 use glam::Vec2;
 
 /// A sheet of `side`² squares of size 1/side, bent by `height`, a cell a triangle.
@@ -12,15 +13,9 @@ struct Sheet {
 
 impl Sheet {
     fn new(side: u32, height: f32) -> Self {
-        let point = |i: u32| {
-            let [x, y] = [i % (side + 1), i / (side + 1)].map(|v| v as f32 / side as f32);
-            Vec3::new(x, y, height * (7.0 * x).sin() * (5.0 * y).cos())
-        };
-        let row = side + 1;
-        let squares = (0..side * side).map(|i| i % side + i / side * row);
-        let triangles = squares.flat_map(|i| [[i, i + 1, i + row], [i + 1, i + row + 1, i + row]]).collect::<Vec<_>>();
+        let (positions, triangles) = sheet(side, |x, y| height * (7.0 * x).sin() * (5.0 * y).cos());
         let first_cell = (0..=triangles.len() as u32).collect();
-        Self { positions: (0..row * row).map(point).collect(), triangles, first_cell }
+        Self { positions, triangles, first_cell }
     }
 
     fn levels(&self) -> Levels {
@@ -46,12 +41,6 @@ fn shown<'a>(levels: &'a Levels, eye: Vec3, allowed: f32) -> impl Iterator<Item 
     levels.clusters.iter().filter(is_shown).flat_map(|c| c.triangles.iter().copied())
 }
 
-/// Area of a triangle's shadow on the sheet's plane.
-fn shadow(sheet: &Sheet, levels: &Levels, triangle: u32) -> f32 {
-    let [a, b, c] = sheet.corners(levels, triangle).map(|p| p.truncate());
-    (b - a).perp_dot(c - a) * 0.5
-}
-
 #[test]
 fn the_finest_level_is_every_triangle_once() {
     let levels = Sheet::new(64, 0.1).levels();
@@ -68,7 +57,7 @@ fn from_anywhere_clusters_shown_are_the_whole_surface_once() {
     let mut fewest = usize::MAX;
     for (x, z) in [(0.3, 0.01), (0.9, 0.2), (0.5, 1.0), (-2.0, 5.0), (0.5, 100.0)] {
         let chosen: Vec<u32> = shown(&levels, Vec3::new(x, 0.4, z), 0.03).collect();
-        let total: f32 = chosen.iter().map(|t| shadow(&sheet, &levels, *t)).sum();
+        let total: f32 = chosen.iter().map(|t| shadow(sheet.corners(&levels, *t))).sum();
         assert!((total - 1.0).abs() < 1e-4, "{total} from {x}, {z}");
         fewest = fewest.min(chosen.len());
     }
@@ -134,7 +123,7 @@ fn flat_ground_is_exact_by_fewer_triangles() {
     assert!(nearby.len() == finest.len() && nearby.len() < sheet.triangles.len() / 2, "{} of {count}", nearby.len());
     let is_bent = |t: &[u32; 3]| t.iter().all(|v| sheet.positions[*v as usize].x > 0.76);
     assert!(nearby.iter().filter(|t| **t < count).count() >= sheet.triangles.iter().filter(|t| is_bent(t)).count());
-    let area: f32 = nearby.iter().map(|t| shadow(&sheet, &levels, *t)).sum();
+    let area: f32 = nearby.iter().map(|t| shadow(sheet.corners(&levels, *t))).sum();
     assert!((area - 1.0).abs() < 1e-4, "{area}");
     for triangle in nearby.into_iter().filter(|t| *t >= count) {
         let index = (triangle - count) as usize;
