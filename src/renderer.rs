@@ -188,8 +188,12 @@ fn render_as_set(
     let lights = build_lights(device, sets, &ground, coarse.as_ref(), pixels, cells)?;
     // What it reflects.
     let counts_records = settings.planes.contains(&Plane::Records);
-    let features =
-        Features { sky: sky.as_ref().map(Sky::captured), in_compute: plan.compute, counts_records, counts_work: settings.counts_work };
+    let features = Features {
+        sky: sky.as_ref().map(Sky::captured),
+        in_compute: plan.compute,
+        counts_records,
+        counts_work: settings.counts_work,
+    };
     let new_cache = || IrradianceCache::new(device, &ground, &gbuffer.targets, features, settings.cache);
     let cache = plan.captures.then(new_cache).transpose()?;
     // The image.

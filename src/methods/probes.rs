@@ -159,8 +159,15 @@ impl<'a> Probes<'a> {
         };
         let both = (&records, &payloads);
         let quantities = (settings.gradients, Radius::Harmonic);
-        let integrate =
-            Integrate::new(device, &geometry, &captures.captured(), both, sky.as_ref().map(Sky::captured), quantities, limits)?;
+        let integrate = Integrate::new(
+            device,
+            &geometry,
+            &captures.captured(),
+            both,
+            sky.as_ref().map(Sky::captured),
+            quantities,
+            limits,
+        )?;
         Ok(Self { scene, geometry, textures, captures, integrate, records, payloads, results, sky })
     }
 
