@@ -7,7 +7,7 @@ use clap::Args;
 use hemicube::methods::rates::Rates;
 use hemicube::passes::geometry::SurfaceSize;
 use hemicube::renderer::{Plan, Settings, check_memory, largest_of, memory_needs};
-use hemicube::scene::{Camera, Scene};
+use hemicube::scene::Scene;
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
 use std::process::ExitCode;
 

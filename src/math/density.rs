@@ -52,7 +52,8 @@ impl Focus {
     /// by its size, not by its triangles. Where there are too many places, the finest grids are left out.
     pub fn detail(triangles: &[[Vec3; 3]], radius: f32) -> Vec<Self> {
         let mut finest = (radius * SMALLEST).max(f32::MIN_POSITIVE).log2().ceil() as i32;
-        let sized: Vec<(Vec3, f32)> = triangles.iter().map(centre_and_reach).filter(|(_, reach)| *reach > 0.0).collect();
+        let sized: Vec<(Vec3, f32)> =
+            triangles.iter().map(centre_and_reach).filter(|(_, reach)| *reach > 0.0).collect();
         loop {
             let cubes = cubes(&sized, finest);
             if cubes.len() <= MOST_PLACES {
@@ -217,11 +218,13 @@ mod tests {
     fn detail_is_found_by_its_size() {
         let ground = floor(1).into_iter().map(|t| t.map(|p| p * 1000.0));
         for parts in [2, 12] {
-            let figure = floor(parts).into_iter().map(|t| t.map(|p| p * (0.5 / parts as f32) + Vec3::new(300.0, 1.0, 0.0)));
+            let figure =
+                floor(parts).into_iter().map(|t| t.map(|p| p * (0.5 / parts as f32) + Vec3::new(300.0, 1.0, 0.0)));
             let all: Vec<_> = ground.clone().chain(figure).collect();
             let places = Focus::detail(&all, 1414.0);
             assert!(!places.is_empty() && places.len() <= MOST_PLACES);
-            let near = places.iter().filter(|p| p.position.distance(Vec3::new(300.0, 1.0, 0.0)) < 1.0 && p.nearest <= 1.0);
+            let near =
+                places.iter().filter(|p| p.position.distance(Vec3::new(300.0, 1.0, 0.0)) < 1.0 && p.nearest <= 1.0);
             assert!(near.count() * 2 > places.len(), "{places:?}");
             let density = Density::new(all.iter().copied(), 1 << 17, &places);
             let square = |x: f32| [[0.0, 0.0], [0.0, 1.0], [1.0, 0.0]].map(|[dx, dz]| Vec3::new(x + dx, 0.0, dz - 0.5));

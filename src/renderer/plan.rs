@@ -74,7 +74,8 @@ impl Plan {
         plan.surface_cells = if indirect { cells(scene, shines, settings) } else { CellBudget::even(1) };
         let limit = settings.side_limit(scene, plan.surface_cells.foci.clone(), device);
         plan.cut = limit.cuts(scene).then_some(limit);
-        let why = "no side is too long for captures, settings, or cells that are finer near details and cameras of the file";
+        let why =
+            "no side is too long for captures, settings, or cells that are finer near details and cameras of the file";
         plan.part(TESSELLATE, plan.cut.is_some(), why);
         plan.run.push("gbuffer");
         plan.emission = plan.part("emission", facts.emits || full, "no material emits");

@@ -9,7 +9,7 @@ use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
 use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
 use hemicube::report::trace::Trace;
-use hemicube::scene::{Camera, Scene};
+use hemicube::scene::Scene;
 use hemicube::vk::{Device, Span};
 use serde_json::json;
 use std::path::Path;
