@@ -318,13 +318,13 @@ fn slices_stand_in_the_plan() {
     }
     let (scene, camera) = cut_cornell();
     let rendered = frame_of(&scene, &camera, CaptureMode::Compute);
-    assert!(rendered.plan.left_out.iter().any(|left| left.pass == "slices" && left.why.contains("--capture slices")));
+    assert!(rendered.plan.left_out().iter().any(|left| left.pass == "slices" && left.why.contains("--capture slices")));
     assert!(rendered.passes.iter().all(|pass| pass.name != "slices"));
     let mut settings = small(SIDE);
     settings.cache.capture = slices(16, 4.0);
     let device = device();
     let rendered = render(&device, &scene, &camera, &settings, &mut |_, _, _| {}).unwrap();
-    assert!(rendered.plan.run.contains(&"slices"));
+    assert!(rendered.plan.run().contains(&"slices"));
     assert_eq!(rendered.passes.iter().filter(|pass| pass.name == "slices").count(), 1);
     let size = SurfaceSize::about(&scene, &rendered.plan.surface_cells, rendered.plan.detail());
     let needs = hemicube::renderer::memory_needs(&device, &scene, &size, &rendered.plan, &settings);

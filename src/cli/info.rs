@@ -60,8 +60,8 @@ fn describe(scene: &Scene, note: Option<&str>) {
         say!("memory     about {} MB of {}: {}, …", bytes / 1_000_000, device.physical.name, largest_of(&needs));
         check_memory(device, scene, &size, &plan, &settings).err().into_iter().for_each(|e| say!("note       {e}"));
     }
-    say!("\nruns       {}", plan.run.join(", "));
-    for left in &plan.left_out {
+    say!("\nruns       {}", plan.run().join(", "));
+    for left in plan.left_out() {
         say!("left out   {} ({})", left.pass, left.why);
     }
 }

@@ -45,6 +45,22 @@ pub struct Settings {
     pub counts_work: bool,
 }
 
+/// What views of one scene may differ in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewSettings {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The irradiance cache. How records look at the scene is settled when that is opened: other values of
+    /// [`CacheSettings::captures`] have no effect.
+    pub cache: CacheSettings,
+    /// Layers of the result.
+    pub planes: Vec<Plane>,
+    /// What the passes of the cache do is counted.
+    pub counts_work: bool,
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -90,6 +106,20 @@ pub struct SettingsError {
 }
 
 impl Settings {
+    /// Those of a view.
+    pub fn view(&self) -> ViewSettings {
+        let Self { width, height, cache, planes, counts_work, .. } = self.clone();
+        ViewSettings { width, height, cache, planes, counts_work }
+    }
+
+    /// The same scene's for another view.
+    pub(super) fn with_view(&self, view: &ViewSettings) -> Self {
+        let ViewSettings { width, height, cache, planes, counts_work } = view.clone();
+        let CacheSettings { capture, capture_size, lod_error, share_views, .. } = self.cache;
+        let cache = CacheSettings { capture, capture_size, lod_error, share_views, ..cache };
+        Self { width, height, cache, planes, counts_work, ..self.clone() }
+    }
+
     /// How long sides of triangles of `scene` may be: as captures and settings allow, and by their distance from the `foci`
     /// that surface cells are finer near, for a triangle's cells are all of one size. Without a device, captures are taken to be
     /// render passes.

@@ -4,7 +4,7 @@ use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
 use hemicube::methods::rates::Rates;
-use hemicube::renderer::{Plan, Rendered, Settings};
+use hemicube::renderer::{Part, Plan, Rendered, Settings};
 use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
 use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
@@ -55,9 +55,15 @@ impl Report {
         } else if !scene.notes.is_empty() {
             say!("note: {} remarks on the file; -v shows them", scene.notes.len());
         }
-        let plan = Plan::of(scene, settings, Some(&self.device));
-        say!("plan: {}", plan.run.join(", "));
-        for left in &plan.left_out {
+    }
+
+    /// Says what runs, and what does not and why.
+    pub fn plan(&self, plan: &Plan) {
+        if self.talk.quiet {
+            return;
+        }
+        say!("plan: {}", plan.run().join(", "));
+        for left in plan.left_out() {
             say!("left out: {} ({})", left.pass, left.why);
         }
     }
@@ -151,14 +157,14 @@ impl Report {
         stats.scene = SceneStats {
             triangles: scene.triangles.len() as u64,
             vertices: scene.positions.len() as u64,
-            lights: scene.lights.len() as u64 + u64::from(rendered.plan.emission),
+            lights: scene.lights.len() as u64 + u64::from(rendered.plan.runs(Part::Emission)),
             materials: scene.parts.len() as u64,
         };
         stats.plan = PlanStats {
-            run: rendered.plan.run.iter().map(|s| (*s).to_owned()).collect(),
+            run: rendered.plan.run().iter().map(|s| (*s).to_owned()).collect(),
             left_out: rendered
                 .plan
-                .left_out
+                .left_out()
                 .iter()
                 .map(|l| LeftOut { pass: l.pass.to_owned(), why: l.why.clone() })
                 .collect(),
@@ -205,7 +211,7 @@ impl Report {
 fn limits(rendered: &Rendered, profile: &Profile, rates: &Rates) -> Vec<Share> {
     let Some(work) = rendered.cache.work else { return Vec::new() };
     let compute = rates.compute.unwrap_or_default();
-    let integrated = if rendered.plan.compute { compute.integrated_texels } else { rates.integrated_texels };
+    let integrated = if rendered.plan.compute() { compute.integrated_texels } else { rates.integrated_texels };
     let rows = [
         ("capture", "triangles × views", work.triangle_views, rates.triangle_views),
         ("capture_compute", "triangles × views", work.triangle_views, compute.triangle_views),
