@@ -65,7 +65,7 @@ pub struct Rendered {
     pub passes: Vec<PassTime>,
     /// Every submission.
     pub submissions: Vec<Span>,
-    /// Stages on the CPU since the frame before: name, begin since the scene was opened, and end, in milliseconds.
+    /// Stages on the CPU since the frame before, on the same clock as the passes ([`Device::opened`]).
     pub stages: Vec<(String, Span)>,
     /// Device memory.
     pub memory: MemoryUse,
@@ -131,7 +131,7 @@ impl<'a> Renderer<'a> {
         on_progress: OnProgress<'_>,
     ) -> Result<Self, RenderError> {
         settings.check(device)?;
-        let (mut clock, mut settings) = (Clock::new(), settings.clone());
+        let (mut clock, mut settings) = (Clock::new(device), settings.clone());
         let prepared = match Prepared::new(device, scene, &settings, &mut clock) {
             Err(RenderError::Memory(error)) => {
                 let fallback = Fallback::of_memory(error, &settings)?;
@@ -263,7 +263,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-/// Splits the time since it was made into named stages.
+/// Splits the time since it was made into named stages, on the clock of the device.
 struct Clock {
     started: Instant,
     last_ms: f64,
@@ -271,8 +271,9 @@ struct Clock {
 }
 
 impl Clock {
-    fn new() -> Self {
-        Self { started: Instant::now(), last_ms: 0.0, stages: Vec::new() }
+    fn new(device: &Device) -> Self {
+        let started = device.opened;
+        Self { started, last_ms: started.elapsed().as_secs_f64() * 1e3, stages: Vec::new() }
     }
 
     /// The time since the last stage belongs to none.
