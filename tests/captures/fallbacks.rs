@@ -115,6 +115,8 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
         assert!(off(rendered, &whole) < 0.01);
         let told = rendered.warnings.iter().filter(|warning| warning.contains(by_workgroups)).count();
         assert_eq!([told, rendered.warnings.len()], [usize::from(ends); 2], "{:?}", rendered.warnings);
+        let times = |pass| rendered.passes.iter().filter(|p| p.name == pass).count();
+        assert_eq!([times("gbuffer"), times("resolve")], [1; 2], "the records alone are made anew");
         assert!(rendered.plan.run().contains(&"capture_compute") || !gpu().is_cpu());
     }
     let whole = by(CaptureMode::Hemicube, &many).unwrap();
