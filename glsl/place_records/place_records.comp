@@ -22,6 +22,7 @@ layout(push_constant) uniform Push {
     float near;
     float lift;        // how far a capture's origin stands off its surface
     float scale;       // of a capture's axes
+    float grain;       // edge of the cubes of space that have one turn each
 } push;
 
 // Cosine and sine of so many whole turns, by their series within an eighth of one (errors below 4e-7): Vulkan lets a device's own be
@@ -38,6 +39,8 @@ vec2 direction_of(float turns) {
     }
 }
 
+uint hash_of_place(ivec3 cube) { return pcg(uint(cube.x) ^ pcg(uint(cube.y) ^ pcg(uint(cube.z) ^ pcg(push.seed)))); }
+
 void main() {
     uint at = gl_GlobalInvocationID.x;
     if (at >= push.count) return;
@@ -47,8 +50,9 @@ void main() {
     uvec2 codes = texelFetch(gbuffer_normals, xy, 0).xy;
     vec3 n = oct_decode(codes.x), ng = oct_decode(codes.y);
 
-    // A random turn about the normal makes the hemicube's aliasing noise between records instead of a pattern.
-    vec2 turn = direction_of(unit_float(pcg(pixel ^ pcg(push.seed))));
+    // A random turn about the normal makes the hemicube's aliasing noise between records instead of a pattern. It depends on
+    // the place alone, so that every view and every tile of an image captures the same record there.
+    vec2 turn = direction_of(unit_float(hash_of_place(ivec3(floor(p / push.grain)))));
     float s = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a;  // Duff et al. 2017
     vec3 t0 = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), b0 = vec3(b, s + n.y * n.y * a, -n.y);
     vec3 t = turn.x * t0 + turn.y * b0;

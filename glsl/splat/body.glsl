@@ -53,15 +53,16 @@ float rejected() {
 // Weight of a record at the fragment's surface, whose normal is n.
 float weight(Record record, vec4 surface, vec3 offset, out vec3 n) {
     float distance2 = dot(offset, offset), radius = record.position.w;
-    if (surface.w != 1.0 || distance2 >= radius * radius) return rejected();
+    // Every test rejects what is not a number: an additive sum would keep it.
+    if (surface.w != 1.0 || !(distance2 < radius * radius)) return rejected();
 
     n = oct_decode(texelFetch(gbuffer_normals, ivec2(gl_FragCoord.xy), 0).x);
     vec3 nk = record.normal.xyz;
-    if (dot(n, nk) <= 0.0) return rejected();
+    if (!(dot(n, nk) > 0.0)) return rejected();
     // 1 − n·n_k = ½‖n − n_k‖², without the cancellation.
     float bend = length(n - nk) * 0.70710678;
     // In front of the record's surface the record may not see what lights the pixel (Ward 1988).
-    if (dot(offset, n + nk) * 0.5 < -0.1 * radius) return rejected();
+    if (!(dot(offset, n + nk) * 0.5 >= -0.1 * radius)) return rejected();
 
     float w;
     if (WEIGHT == 0) {
@@ -69,7 +70,7 @@ float weight(Record record, vec4 surface, vec3 offset, out vec3 n) {
     } else {
         w = 1.0 / max(sqrt(distance2) / radius * push.accuracy + bend, 1e-6) - 1.0 / push.accuracy;
     }
-    if (w <= 0.0) return rejected();
+    if (!(w > 0.0)) return rejected();
     if (SEEN_SIZE != 0 && hidden(record_index, offset)) return rejected();
     return w;
 }

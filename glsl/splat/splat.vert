@@ -49,7 +49,7 @@ void main() {
     float r = sphere.w;
     bool parallel = push.scale.w == 0.0;
     vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1);
-    if (r <= 0.0 || (!parallel && -c.z < -r)) {  // not a record, or behind the eye
+    if (!(r > 0.0) || (!parallel && !(-c.z >= -r))) {  // not a record, or behind the eye
         gl_Position = vec4(2.0, 2.0, 0.5, 1.0);
         return;
     }

@@ -28,6 +28,10 @@ pub const LIFT: f32 = 4e-6;
 /// cut off.
 pub const NEAR: f32 = 1.0 / (1_u64 << 40) as f32;
 
+/// Edge of the cubes of space in which captures have one turn each, relative to the scene's size: far above the rounding
+/// of positions, far below the distance of records.
+pub const GRAIN: f32 = 1.0 / (1 << 17) as f32;
+
 /// Memory of a batch's texels.
 const BATCH_BYTES: u64 = 64 << 20;
 

@@ -31,6 +31,8 @@ pub struct Placement {
     pub lift: f32,
     /// Scale of a capture's axes: 1/half width of a plane.
     pub scale: f32,
+    /// Edge of the cubes of space in which captures have one turn each.
+    pub grain: f32,
 }
 
 /// The pass.

@@ -86,6 +86,7 @@ impl View {
             near: radius * captures::NEAR,
             lift: radius * captures::LIFT,
             scale: 1.0,
+            grain: radius * captures::GRAIN,
         };
         let view = SplatView {
             world_to_view: self.world_to_view.to_cols_array(),
