@@ -64,7 +64,7 @@ pub fn cosine_factor(l: u32) -> f64 {
         _ => {
             // l!/(2^l (l/2)!²)
             let central: f64 = (1..=l / 2).map(|k| (2.0 * f64::from(k) - 1.0) / (2.0 * f64::from(k))).product();
-            let sign = if l % 4 == 0 { -1.0 } else { 1.0 };
+            let sign = if l.is_multiple_of(4) { -1.0 } else { 1.0 };
             let l = f64::from(l);
             sign * TAU * central / ((l + 2.0) * (l - 1.0))
         }

@@ -315,6 +315,7 @@ fn views(projection: Projection) -> Views {
         Projection::Hemicube => Views::Hemicube,
         Projection::Plane { .. } => Views::Plane,
         Projection::Hemisphere => Views::Hemisphere,
+        Projection::Cube => Views::Cube,
     }
 }
 
