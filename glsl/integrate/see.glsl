@@ -35,7 +35,7 @@ void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
     vec3 direction = to_world(frame, way.xyz);
     vec4 plane = vec4(vec3(0.0), tagged(0));
     uvec2 hit = look(tile, floatBitsToUint(texel_value(2 * i).w), way.w, frame, direction);
-    bool above = dot(direction, frame.horizon.xyz) > 0.0;
+    bool above = is_above(frame, direction);
     seen = vec4(0.0);
     beyond = vec3(0.0);
     if (hit.x != 0 && above) {
