@@ -46,6 +46,11 @@ fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
     say!("lights     {} punctual, {} emissive triangles", scene.lights.len(), scene.emitters().len());
     let cameras: Vec<_> = scene.cameras.iter().map(|c| format!("\"{}\"", c.name)).collect();
     say!("cameras    {}", if cameras.is_empty() { "none".into() } else { cameras.join(", ") });
+    if !scene.animations.is_empty() {
+        let animations: Vec<_> =
+            scene.animations.iter().map(|a| format!("\"{}\" {:.2} s", a.name, a.seconds)).collect();
+        say!("animations {}", animations.join(", "));
+    }
     say!("bounds     {low} to {high}, origin {}", scene.origin);
     note.into_iter().for_each(|note| say!("note       {note}"));
     scene.notes.iter().for_each(|note| say!("note       {note}"));

@@ -13,7 +13,7 @@ mod render;
 pub mod say;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Global illumination by rasterisation alone: irradiance-cache splatting on Vulkan.
@@ -32,6 +32,15 @@ enum Command {
     Export(export::ExportArgs),
     Info(info::InfoArgs),
     Reference(Box<reference::ReferenceArgs>),
+}
+
+/// The arguments of this run; wrong ones end it with exit code 2.
+pub fn parse() -> Cli {
+    // There `--time` is how long to work.
+    let reference =
+        |command: clap::Command| command.mut_arg("scene_time", |a| a.long("scene-time").alias(None::<&str>));
+    let matches = Cli::command().mut_subcommand("reference", reference).get_matches();
+    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
 }
 
 /// Runs the chosen subcommand.

@@ -229,7 +229,6 @@ pub(super) fn scene_bindings<'a>(
         Binding::Storage(&geometry.first_cell),
         Binding::Storage(&geometry.cell_radiance),
         Binding::Texels(identity),
-        Binding::Texels(&capture.depth),
         Binding::Storage(sky.unwrap_or(positions)),
         Binding::Storage(neighbours.unwrap_or(positions)),
     ]
@@ -239,7 +238,7 @@ pub(super) fn scene_bindings<'a>(
 pub(super) fn texel_on_device(t: &capture::Texel) -> Texel {
     let (d, turn) = (t.direction.as_vec3(), t.turn().as_vec3());
     let place = f32::from_bits(t.layer << 16 | t.y << 8 | t.x);
-    Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, t.forward as f32] }
+    Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, 0.0] }
 }
 
 /// Texels and edges that the shader goes through; of faces that are summed those at borders.

@@ -9,6 +9,7 @@ mod fallbacks;
 mod harmonics;
 mod masks;
 mod outlines;
+mod sides;
 mod workgroups;
 
 use common::gpu;
