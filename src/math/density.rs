@@ -11,9 +11,9 @@ const NEAREST: f32 = 1.0 / 256.0;
 const MOST_PLACES: usize = 64;
 /// Smallest detail that counts, as a share of the surface's radius.
 const SMALLEST: f32 = 1.0 / (1 << 20) as f32;
-/// A triangle beside a place of detail may be this many times as long as the place is away or wide. Of a smaller number scenes
-/// of large and small boxes get more triangles for no smaller error.
-const LONGEST_BY_DETAIL: f32 = 4.0;
+/// Sides of triangles beside a place of detail are cut only if they are longer than so many of its sizes: then few rooms are cut for
+/// the boxes in them.
+const WHOLE: f32 = 6.0;
 
 /// A place near which cells are finer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,8 +24,8 @@ pub struct Focus {
     pub nearest: f32,
     /// Its share of the cells that are not even.
     pub share: f32,
-    /// A side of a triangle may be this many times as long as its middle is away.
-    pub longest: f32,
+    /// Sides of triangles that are no longer than this need not be cut for it.
+    pub whole: f32,
 }
 
 /// Cells to an area.
@@ -43,7 +43,7 @@ pub struct Density {
 impl Focus {
     /// A camera that looks at a surface whose bounding box is `2 radius` across.
     pub fn camera(position: Vec3, radius: f32) -> Self {
-        Self { position, nearest: radius * NEAREST, share: 1.0, longest: 1.0 }
+        Self { position, nearest: radius * NEAREST, share: 1.0, whole: radius * NEAREST }
     }
 
     /// Where a surface has small triangles, at most [`MOST_PLACES`] places; together they have a share of 1.
@@ -58,7 +58,7 @@ impl Focus {
             let cubes = cubes(&sized, finest);
             if cubes.len() <= MOST_PLACES {
                 let share = 1.0 / cubes.len() as f32;
-                let place = |(size, position)| Self { position, nearest: size, share, longest: LONGEST_BY_DETAIL };
+                let place = |(size, position)| Self { position, nearest: size, share, whole: WHOLE * size };
                 return cubes.into_iter().map(place).collect();
             }
             finest += 1;
@@ -70,9 +70,9 @@ impl Focus {
         distance * distance + self.nearest * self.nearest
     }
 
-    /// How long a side of a triangle may be whose middle is there.
+    /// How long a side of a triangle may be whose middle is there: as long as it is away.
     pub fn longest_side(&self, middle: Vec3) -> f32 {
-        self.longest * middle.distance(self.position).max(self.nearest)
+        middle.distance(self.position).max(self.whole)
     }
 }
 
