@@ -8,6 +8,7 @@ mod common;
 mod fallbacks;
 mod masks;
 mod outlines;
+mod sides;
 mod workgroups;
 
 use common::gpu;
