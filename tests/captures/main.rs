@@ -6,6 +6,7 @@ mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
 mod fallbacks;
+mod harmonics;
 mod masks;
 mod outlines;
 mod sides;
