@@ -156,7 +156,7 @@ fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, options: &Options) -> Result
     drawn.posed = pose(&drawn, &poses, allowed, &mut notes)?;
     let draws = drawn.list()?;
     let mut scene = drawn.build(draws, limits, &mut notes)?;
-    scene.lights = lights::lights(&document, &placed, scene.origin)?;
+    scene.lights = lights::lights(&document, &placed, scene.origin, &mut notes)?;
     scene.cameras = lights::cameras(&document, &placed, scene.origin, &mut notes)?;
     scene.animations = animations(&document, &buffers);
     notes.add_if("animations are not played: --time SECONDS shows a moment of them", {
