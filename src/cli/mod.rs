@@ -8,6 +8,7 @@ mod compare;
 mod convergence;
 mod export;
 mod info;
+mod probe;
 mod reference;
 mod render;
 pub mod say;
@@ -31,6 +32,7 @@ enum Command {
     Convergence(Box<convergence::ConvergenceArgs>),
     Export(export::ExportArgs),
     Info(info::InfoArgs),
+    Probe(probe::ProbeArgs),
     Reference(Box<reference::ReferenceArgs>),
 }
 
@@ -51,6 +53,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
         Command::Convergence(args) => convergence::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Probe(args) => probe::run(&args),
         Command::Reference(args) => reference::run(&args),
     }?;
     say::finish()?;
