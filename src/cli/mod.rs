@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(code(lost().into()), three);
         assert_eq!(code(RenderError::from(lost()).into()), three);
         assert_eq!(code(ProbeError::from(lost()).into()), three);
-        let wrapped = Err::<(), _>(ProbeError::from(lost())).context("measuring").map_err(anyhow::Error::from);
+        let wrapped = Err::<(), _>(ProbeError::from(lost())).context("measuring");
         assert_eq!(code(wrapped.unwrap_err()), three);
         assert_eq!(code(anyhow::anyhow!("no such file")), format!("{:?}", ExitCode::from(2)));
     }
