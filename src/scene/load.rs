@@ -141,20 +141,20 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
 
 fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, options: &Options) -> Result<Scene> {
     let limits = options.limits;
-    let container = container::open(bytes)?;
-    let document = Document::parse(container.json)?;
     let mut notes = Notes::default();
+    let container = container::open(bytes, &mut notes)?;
+    let document = Document::parse(&container.json)?;
     extensions::check(&document, &mut notes)?;
     let buffers = Buffers::new(&document, &container, resolve);
     let poses = animation::poses(&document, &buffers, &options.pose, &mut notes)?;
-    let placed = nodes::flatten(&document, &poses)?;
+    let placed = nodes::flatten(&document, &poses, &mut notes)?;
     let meshes = read_meshes(&document, &buffers, &placed, limits, &mut notes)?;
     let mut drawn =
         Drawn { document: &document, buffers: &buffers, placed: &placed, meshes: &meshes, posed: BTreeMap::new() };
     let allowed = limits.triangles.min((1 << 20) + 64 * (bytes.len() as u64 + buffers.fetched_bytes()));
     drawn.check_count(allowed)?;
     drawn.posed = pose(&drawn, &poses, allowed, &mut notes)?;
-    let draws = drawn.list()?;
+    let draws = drawn.list(&mut notes)?;
     let mut scene = drawn.build(draws, limits, &mut notes)?;
     scene.lights = lights::lights(&document, &placed, scene.origin)?;
     scene.cameras = lights::cameras(&document, &placed, scene.origin, &mut notes)?;
@@ -162,6 +162,7 @@ fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, options: &Options) -> Result
     notes.add_if("animations are not played: --time SECONDS shows a moment of them", {
         options.pose.is_rest() && !scene.animations.is_empty()
     });
+    notes.append(buffers.take_notes());
     scene.notes = notes.into_lines();
     Ok(scene)
 }
@@ -179,7 +180,7 @@ fn read_meshes(
 ) -> Result<BTreeMap<usize, Mesh>> {
     let mut meshes = BTreeMap::new();
     let mut budget = Budget(limits.triangles.saturating_mul(3).min(u64::from(u32::MAX)));
-    for p in placed {
+    for p in placed.iter().filter(|p| !p.hidden) {
         let Some(mesh) = document.nodes[p.node].mesh else { continue };
         if let Entry::Vacant(place) = meshes.entry(mesh) {
             item(&document.meshes, "mesh", mesh).within(|| document.node_label(p.node))?;
@@ -232,14 +233,14 @@ const MOVES_A_TRIANGLE: u64 = 64;
 
 impl Drawn<'_, '_> {
     /// Each primitive at each place, by the document's material (none: last) and then in node order.
-    fn list(&self) -> Result<Vec<Draw<'_>>> {
+    fn list(&self, notes: &mut Notes) -> Result<Vec<Draw<'_>>> {
         let mut draws = Vec::new();
         for (place, node, mesh, primitives) in self.drawn_meshes() {
             let (primitives, at) = match self.posed.get(&place) {
                 Some(posed) => (&posed.primitives, posed.to_world),
                 None => (primitives, node.to_world),
             };
-            let instances = nodes::instances(self.document, self.buffers, &self.document.nodes[node.node]);
+            let instances = nodes::instances(self.document, self.buffers, &self.document.nodes[node.node], notes);
             for instance in instances.within(|| self.document.node_label(node.node))? {
                 let to_world = at * instance;
                 let draw = |(index, primitive)| Draw { primitive, to_world, material: 0, mesh, index };
@@ -270,7 +271,7 @@ impl Drawn<'_, '_> {
     /// Nodes that draw a mesh, each with its place among all.
     fn drawn_meshes(&self) -> impl Iterator<Item = (usize, &Placed, usize, &Mesh)> {
         self.placed.iter().enumerate().filter_map(|(place, p)| {
-            let mesh = self.document.nodes[p.node].mesh?;
+            let mesh = self.document.nodes[p.node].mesh.filter(|_| !p.hidden)?;
             Some((place, p, mesh, self.meshes.get(&mesh)?))
         })
     }
@@ -346,7 +347,7 @@ fn pose(drawn: &Drawn<'_, '_>, poses: &Poses, allowed: u64, notes: &mut Notes) -
     let budget = allowed.saturating_mul(MOVES_A_TRIANGLE).into();
     let deformer = Deformer { document: drawn.document, buffers: drawn.buffers, poses, worlds: &worlds, budget };
     let mut posed = BTreeMap::new();
-    for (index, placed) in drawn.placed.iter().enumerate() {
+    for (index, placed) in drawn.placed.iter().enumerate().filter(|(_, p)| !p.hidden) {
         let Some(mesh) = drawn.document.nodes[placed.node].mesh.and_then(|m| drawn.meshes.get(&m)) else { continue };
         let changed = deformer.pose(placed, mesh, notes).within(|| drawn.document.node_label(placed.node))?;
         posed.extend(changed.map(|changed| (index, changed)));

@@ -171,7 +171,7 @@ fn packed<'a>(
     let source = buffers.view(view)?;
     let stride = source.stride.unwrap_or(size);
     if count == 0 {
-        return Err(Fault::invalid("count is 0"));
+        return Ok(Packed { bytes: &[], stride, component });
     }
     if stride < size {
         return Err(Fault::invalid(format!(
@@ -192,9 +192,6 @@ fn packed<'a>(
 
 /// An accessor without a view: all zeros, but for what is sparse.
 fn zeros<'a>(count: u64, buffers: &Buffers<'_>, component: Component) -> Result<Packed<'a>> {
-    if count == 0 {
-        return Err(Fault::invalid("count is 0"));
-    }
     if count > LARGEST_ZERO_FILL.max(buffers.fetched_bytes()) {
         return Err(Fault::new(
             Kind::TooLarge,

@@ -3,9 +3,9 @@
 use super::container::{Container, Resolver, fetch};
 use super::document::{Document, item};
 use super::error::{Fault, Result, Within, label};
-use super::{compressed, views};
+use super::{Notes, compressed, views};
 use std::borrow::Cow;
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
 
 /// Largest buffer without URI that is read as zeros.
 const NAMELESS: u64 = 1 << 16;
@@ -28,6 +28,8 @@ pub struct Buffers<'a> {
     decoded: Vec<OnceCell<Result<compressed::Decoded>>>,
     /// Bytes fetched so far.
     fetched: Cell<u64>,
+    /// What was tolerated while fetching.
+    notes: RefCell<Notes>,
 }
 
 impl<'a> Buffers<'a> {
@@ -42,6 +44,7 @@ impl<'a> Buffers<'a> {
             buffers,
             decoded,
             fetched: Cell::new(0),
+            notes: RefCell::default(),
         }
     }
 
@@ -50,9 +53,14 @@ impl<'a> Buffers<'a> {
         self.fetched.get()
     }
 
+    /// Takes what was tolerated while fetching.
+    pub fn take_notes(&self) -> Notes {
+        self.notes.take()
+    }
+
     /// The bytes that `uri` names, counted.
     pub fn fetch(&self, uri: &str) -> Result<Vec<u8>> {
-        let bytes = fetch(uri, self.resolve)?;
+        let bytes = fetch(uri, self.resolve, &mut self.notes.borrow_mut())?;
         self.fetched.set(self.fetched.get().saturating_add(bytes.len() as u64));
         Ok(bytes)
     }

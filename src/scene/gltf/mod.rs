@@ -45,6 +45,11 @@ impl Notes {
         }
     }
 
+    /// Adds all of `other`.
+    pub fn append(&mut self, other: Self) {
+        other.0.into_iter().for_each(|(note, times)| self.add_times(note, times));
+    }
+
     /// Remembers `note` if `seen`.
     pub fn add_if(&mut self, note: &str, seen: bool) {
         self.add_times_if(note, usize::from(seen));

@@ -49,7 +49,11 @@ pub fn read(
         notes.add("primitives without positions are left out");
         return Ok(None);
     };
-    let corners = source.corners(positions.count, budget)?;
+    let corners = if positions.count > 0 { source.corners(positions.count, budget)? } else { Vec::new() };
+    if corners.is_empty() {
+        notes.add("primitives without vertices are left out");
+        return Ok(None);
+    }
     let mut triangles = triangles(&corners, mode);
     if triangles.len() * 3 < corners.len() && mode == Mode::Triangles {
         notes.add("primitives whose vertex count is no multiple of three lose the rest");
