@@ -19,7 +19,7 @@ use crate::methods::direct::DirectLight;
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::methods::light_samples::{TooManyLights, light_sets};
 use crate::methods::light_set::{Extent, LightSet};
-use crate::methods::{Ground, upload_sky};
+use crate::methods::{Ground, Sky};
 use crate::passes::gbuffer::{GBuffer, Targets};
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
@@ -167,7 +167,7 @@ fn render_as_set(
     let textures = Textures::new(device, scene)?;
     let textures = textures.as_ref();
     let geometry = Geometry::of(device, scene, arrangement)?;
-    let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
+    let sky = plan.sky.then(|| Sky::new(device, &scene.background, true)).transpose()?;
     clock.lap("upload scene");
 
     // What is seen.
@@ -188,8 +188,12 @@ fn render_as_set(
     let lights = build_lights(device, sets, &ground, coarse.as_ref(), pixels, cells)?;
     // What it reflects.
     let counts_records = settings.planes.contains(&Plane::Records);
-    let features =
-        Features { sky: sky.as_ref(), in_compute: plan.compute, counts_records, counts_work: settings.counts_work };
+    let features = Features {
+        sky: sky.as_ref().map(Sky::captured),
+        in_compute: plan.compute,
+        counts_records,
+        counts_work: settings.counts_work,
+    };
     let new_cache = || IrradianceCache::new(device, &ground, &gbuffer.targets, features, settings.cache);
     let cache = plan.captures.then(new_cache).transpose()?;
     // The image.
@@ -197,7 +201,7 @@ fn render_as_set(
         gbuffer: &gbuffer.targets,
         sums: cache.as_ref().map(|cache| &cache.splat.sums),
         direct: direct.as_ref(),
-        sky: sky.as_ref(),
+        sky: sky.as_ref().map(Sky::seen),
     };
     let resolve = Resolve::new(device, &inputs, &settings.planes)?;
     clock.lap("build passes");
@@ -251,7 +255,7 @@ fn render_as_set(
     Ok(Rendered {
         picture,
         plan,
-        warnings: warning.into_iter().collect(),
+        warnings: warning.into_iter().chain(sky.and_then(|sky| sky.note)).collect(),
         cache: cache_stats,
         passes: recorder.passes,
         submissions: recorder.submissions,

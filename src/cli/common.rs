@@ -12,9 +12,24 @@ use std::sync::Arc;
 pub struct SceneArgs {
     /// Scene to load, .gltf or .glb; without it the built-in Cornell box
     pub scene: Option<PathBuf>,
-    /// Radiance from outside the scene: R,G,B (W·sr⁻¹·m⁻²) or an equirectangular .exr
-    #[arg(long, value_name = "R,G,B|FILE.exr", help_heading = "Scene")]
+    /// Radiance from outside the scene: R,G,B (W·sr⁻¹·m⁻²) or an equirectangular map, .exr (FILE.exr#LAYER for one layer of
+    /// several) or Radiance .hdr. The map's first row is at +Y, its middle is seen along -Z, its right half towards +X
+    #[arg(long, value_name = "R,G,B|FILE", help_heading = "Scene")]
     pub background: Option<String>,
+    /// Turns the background about +Y by so many degrees, counter-clockwise seen from above. Example: -90 shows the map's
+    /// middle along +X, as three.js and Blender do
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        hide_default_value = true,
+        allow_negative_numbers = true,
+        help_heading = "Scene"
+    )]
+    pub background_rotation: f32,
+    /// Factor of the background's radiance
+    #[arg(long, value_name = "S", default_value_t = 1.0, hide_default_value = true, help_heading = "Scene")]
+    pub background_strength: f32,
     /// Camera by name or index; default: the file's first, or one that frames the scene
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Scene")]
     pub camera: Option<String>,
@@ -50,7 +65,11 @@ impl SceneArgs {
             }
         };
         if let Some(background) = &self.background {
-            scene.background = Background::parse(background)?;
+            let (degrees, strength) = (self.background_rotation, self.background_strength);
+            anyhow::ensure!(degrees.is_finite(), "--background-rotation {degrees} is not finite");
+            let valid = strength.is_finite() && strength >= 0.0;
+            anyhow::ensure!(valid, "--background-strength {strength} is negative or not finite");
+            scene.background = Background::parse_noting(background, &mut scene.notes)?.adjusted(degrees, strength);
         }
         Ok(scene)
     }

@@ -16,7 +16,7 @@ pub mod rates;
 mod sky;
 pub mod work;
 
-pub use sky::upload_sky;
+pub use sky::{Sky, has_suns, sky_bytes};
 
 /// What every technique stands on.
 #[derive(Clone, Copy)]
