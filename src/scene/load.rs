@@ -3,9 +3,9 @@
 //! # What is read
 //! Triangles (lists, strips, fans; indexed or not) of the default scene, else of the first scene, else of all nodes,
 //! else (a library of meshes) of every mesh as it stands;
-//! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinate sets 0 and 1; cameras;
+//! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinates (two sets a material); cameras;
 //! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_materials_pbrSpecularGlossiness (its diffuse
-//! part), KHR_mesh_quantization, KHR_texture_transform, EXT_mesh_gpu_instancing, EXT_meshopt_compression,
+//! part), KHR_mesh_quantization, KHR_node_visibility, KHR_draco_mesh_compression, KHR_texture_transform, EXT_mesh_gpu_instancing, EXT_meshopt_compression,
 //! KHR_meshopt_compression, EXT_texture_webp.
 //!
 //! Skins and morph targets give meshes their pose: at rest, or at a moment of one of the file's animations ([`Pose`]; all
@@ -28,7 +28,8 @@
 //! | accessor `min`/`max` wrong or missing, alignment of offsets and strides, buffer view `target` | not needed |
 //! | component types that core glTF does not allow for an attribute | read as KHR_mesh_quantization says |
 //! | empty lists, properties that glTF does not know, undeclared extensions | ignored |
-//! | normals, tangents, rotations of a wrong length | brought to length 1; zero or NaN: taken from the triangles |
+//! | normals, tangents of a wrong length | brought to length 1; zero or NaN: taken from the triangles |
+//! | rotations of a wrong length | brought to length 1; zero: none |
 //! | texture coordinates that are not finite | 0 |
 //! | base colour and vertex colour outside [0, 1] | clamped |
 //! | a node with both `matrix` and translation, rotation or scale | the matrix counts |
@@ -37,6 +38,11 @@
 //! | a buffer without URI in a .gltf, up to 64 KiB | zeros |
 //! | GLB: more chunks, bytes after the end, lengths that are no multiple of four | the first chunk of each kind counts |
 //! | textures that name no image | left out |
+//! | pictures that are missing or broken | grey as base colour, a smooth surface, no emission |
+//! | JSON with a byte order mark, as UTF-16, padded with zeros | read as UTF-8 |
+//! | data URIs in other spellings; back slashes or a bare % in file names | read as they are meant |
+//! | a scene's root that is listed twice, or has a parent | drawn once |
+//! | primitives and accessors without elements | left out |
 //! | images whose `mimeType` or extension lies | told by their bytes |
 //! | camera clip planes | not used |
 

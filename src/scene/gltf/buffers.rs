@@ -1,5 +1,6 @@
 //! Buffers and buffer views, read when first used.
 
+use super::accessor::Decompressed;
 use super::container::{Container, Resolver, fetch};
 use super::document::{Document, item};
 use super::error::{Fault, Result, Within, label};
@@ -26,6 +27,8 @@ pub struct Buffers<'a> {
     resolve: &'a Resolver<'a>,
     buffers: Vec<OnceCell<Result<Cow<'a, [u8]>>>>,
     decoded: Vec<OnceCell<Result<compressed::Decoded>>>,
+    /// What Draco code holds in place of accessors.
+    decompressed: Vec<OnceCell<Decompressed>>,
     /// Bytes fetched so far.
     fetched: Cell<u64>,
     /// What was tolerated while fetching.
@@ -43,6 +46,7 @@ impl<'a> Buffers<'a> {
             resolve,
             buffers,
             decoded,
+            decompressed: document.accessors.iter().map(|_| OnceCell::new()).collect(),
             fetched: Cell::new(0),
             notes: RefCell::default(),
         }
@@ -51,6 +55,16 @@ impl<'a> Buffers<'a> {
     /// Bytes fetched so far: the size of the input that a scene may be in proportion to.
     pub fn fetched_bytes(&self) -> u64 {
         self.fetched.get()
+    }
+
+    /// What stands for an accessor, where Draco code held it.
+    pub fn decompressed(&self, accessor: usize) -> Option<&Decompressed> {
+        self.decompressed.get(accessor)?.get()
+    }
+
+    /// Lets `values` stand for an accessor; the first ones count.
+    pub fn set_decompressed(&self, accessor: usize, values: Decompressed) {
+        self.decompressed.get(accessor).map(|place| place.set(values).ok());
     }
 
     /// Takes what was tolerated while fetching.

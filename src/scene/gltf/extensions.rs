@@ -8,6 +8,7 @@ const UNDERSTOOD: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     // Its diffuse part.
@@ -81,7 +82,6 @@ fn is(list: &[&str], name: &str) -> bool {
 
 fn remedy(name: &str) -> &'static str {
     match name {
-        "KHR_draco_mesh_compression" => "re-export without Draco compression, or use meshopt compression",
         "KHR_texture_basisu" => "re-export with PNG, JPEG or WebP textures",
         "MSFT_texture_dds" | "EXT_texture_avif" => "re-export with PNG, JPEG or WebP textures",
         _ => "re-export without it",

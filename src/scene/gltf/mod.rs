@@ -11,6 +11,7 @@ pub(super) mod compressed;
 pub(super) mod container;
 pub(super) mod deform;
 pub(super) mod document;
+pub(super) mod draco;
 pub(super) mod extensions;
 pub(super) mod lights;
 pub(super) mod materials;
