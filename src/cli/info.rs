@@ -93,6 +93,9 @@ fn devices(measure: bool) -> Result<()> {
 fn describe_device(device: &Device) {
     let has = &device.capabilities;
     say!("   device memory {} MB, largest allocation {} MB", has.device_memory >> 20, has.max_allocation >> 20);
+    if let Some(budget) = has.memory_budget {
+        say!("   of which this process may expect {} MB now", budget >> 20);
+    }
     say!(
         "   largest image {0} × {0}, largest storage buffer {1} MB, {2} views a pass",
         has.limits.max_image_dimension2_d,
