@@ -148,11 +148,13 @@ fn render_as_set(
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
-    let mut plan = Plan::of(scene, camera, settings, Some(device));
-    let cut = plan.cut.map(|limit| scene.tessellated(&limit));
+    let mut plan = Plan::of(scene, settings, Some(device));
+    let cut = plan.cut.as_ref().map(|limit| scene.tessellated(limit));
     let scene = cut.as_ref().unwrap_or(scene);
     if cut.is_some() {
-        plan = Plan::of(scene, camera, settings, Some(device)).of_cut();
+        let foci = plan.surface_cells.foci;
+        plan = Plan::of(scene, settings, Some(device)).of_cut();
+        plan.surface_cells.foci = foci;
         clock.lap("tessellate");
     }
     if plan.captures {

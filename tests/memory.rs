@@ -136,10 +136,10 @@ fn levels_that_do_not_fit_are_known_once_they_are_made() {
 /// Memory for the surface and the image but for no tree: render passes capture, and say why.
 #[test]
 fn where_no_tree_fits_render_passes_capture() {
-    let (scene, view) = (sphere(200), look(dvec3(0.0, 0.0, 1.0), dvec3(0.0, 0.0, 0.0), 60.0));
+    let scene = sphere(200);
     let bytes = |device: &Device, capture| {
         let settings = settings(capture);
-        let plan = Plan::of(&scene, &view, &settings, Some(device));
+        let plan = Plan::of(&scene, &settings, Some(device));
         let size = SurfaceSize::least(&scene, &plan.surface_cells, plan.detail());
         memory_needs(device, &scene, &size, &plan, &settings).iter().map(|need| need.bytes).sum::<u64>()
     };

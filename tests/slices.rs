@@ -259,7 +259,7 @@ fn the_sky_is_seen_beside_voxels_and_through_them() {
         let masked = b.material(Material { base_texture, alpha_cutoff: Some(0.5), ..diffuse(0.8) });
         b.floor(masked, 3.0, 2.9);
         b.background(Background::Constant(Vec3::ONE));
-        b.build().tessellated(&SideLimit { longest: 0.3, eye: None })
+        b.build().tessellated(&SideLimit::even(0.3))
     };
     let device = gpu();
     let places = turned(vec3(0.1, 0.0, -0.2), 16);

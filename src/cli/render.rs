@@ -37,7 +37,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let mut report = Report::new(args.talk, started, &device);
     report.stage("load scene", loaded);
     report.stage("open device", started.elapsed() - loaded);
-    report.scene(&scene, &camera, note.as_deref(), &settings);
+    report.scene(&scene, note.as_deref(), &settings);
     let rendered = run_with_progress(&device, &scene, &camera, &settings, args.talk)?;
     report.check(&rendered);
     let writing = Instant::now();

@@ -1,8 +1,6 @@
 //! The plan: what a scene needs, and why the rest is left out.
 
 use super::Settings;
-use super::camera::eye;
-use crate::math::density::Eye;
 use crate::methods::captures::CaptureMode;
 use crate::methods::casters::FEWEST_TO_SIMPLIFY;
 use crate::methods::emitter_samples::MOST_FACES;
@@ -12,7 +10,7 @@ use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
 use crate::passes::geometry::{CellBudget, cell_count};
 use crate::passes::resolve::Plane;
-use crate::scene::{Background, Camera, Light, Scene, SideLimit};
+use crate::scene::{Background, Light, Scene, SideLimit};
 use crate::vk::Device;
 use glam::Vec3;
 
@@ -66,18 +64,18 @@ impl Plan {
     /// Plans a frame of `scene`.
     ///
     /// Without a device, captures are taken to be render passes.
-    pub fn of(scene: &Scene, camera: &Camera, settings: &Settings, device: Option<&Device>) -> Self {
+    pub fn of(scene: &Scene, settings: &Settings, device: Option<&Device>) -> Self {
         let facts = Facts::of(scene);
         let full = settings.full_plan;
         let mut plan = Self::default();
         let shines = facts.is_lit() || facts.sky;
         let indirect = settings.bounces > 0 && (shines || full);
         // Dark cells are no finer anywhere: nothing is cut for them.
-        let eye = if shines { eye(scene, camera) } else { None };
-        plan.surface_cells = if indirect { cells(scene, eye, settings) } else { CellBudget::even(1) };
-        let limit = settings.side_limit(scene, plan.surface_cells.eye, device);
+        plan.surface_cells = if indirect { cells(scene, shines, settings) } else { CellBudget::even(1) };
+        let limit = settings.side_limit(scene, plan.surface_cells.foci.clone(), device);
         plan.cut = limit.cuts(scene).then_some(limit);
-        let why = "no side is longer than its distance from the eye, or than captures and settings allow";
+        let why =
+            "no side is too long for captures, settings, or cells that are finer near details and cameras of the file";
         plan.part(TESSELLATE, plan.cut.is_some(), why);
         plan.run.push("gbuffer");
         plan.emission = plan.part("emission", facts.emits || full, "no material emits");
@@ -210,9 +208,10 @@ const MOST_CELLS: u64 = (1 << 27) / 24;
 
 /// Cells for a scene: more for more detail, fewer where there are many light samples, so that lighting them stays within
 /// about 2²⁶ pairs of the two, and what holds them within 2²⁷ bytes, as long as that leaves each triangle one.
-fn cells(scene: &Scene, eye: Option<Eye>, settings: &Settings) -> CellBudget {
+fn cells(scene: &Scene, shines: bool, settings: &Settings) -> CellBudget {
+    let new = |count| if shines { CellBudget::focused(scene, count) } else { CellBudget::even(count) };
     if let Some(count) = settings.surface_cells {
-        return CellBudget { count, eye };
+        return new(count);
     }
     let faces: u32 = scene.parts.iter().filter(|part| scene.emits(part)).map(|part| part.triangle_count).sum();
     let area = if faces > 0 { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
@@ -221,7 +220,7 @@ fn cells(scene: &Scene, eye: Option<Eye>, settings: &Settings) -> CellBudget {
     let samples = scene.lights.len() as u64 + u64::from(area + sky + suns);
     let affordable = (1_u64 << 26) / samples.max(1);
     let count = (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32;
-    let mut budget = CellBudget { count, eye };
+    let mut budget = new(count);
     while budget.count > 1 && cell_count(scene, &budget) > MOST_CELLS {
         budget.count /= 2;
     }

@@ -1,7 +1,7 @@
 //! What a frame is made with, and its checks.
 
 use crate::math::capture::Projection;
-use crate::math::density::Eye;
+use crate::math::density::Focus;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
 use crate::methods::light_set::LightSettings;
@@ -90,13 +90,13 @@ pub struct SettingsError {
 }
 
 impl Settings {
-    /// How long sides of triangles of `scene` may be: as captures and settings allow, and as long as they are far from the `eye`
+    /// How long sides of triangles of `scene` may be: as captures and settings allow, and by their distance from the `foci`
     /// that surface cells are finer near, for a triangle's cells are all of one size. Without a device, captures are taken to be
     /// render passes.
-    pub(super) fn side_limit(&self, scene: &Scene, eye: Option<Eye>, device: Option<&Device>) -> SideLimit {
+    pub(super) fn side_limit(&self, scene: &Scene, foci: Vec<Focus>, device: Option<&Device>) -> SideLimit {
         let (low, high) = scene.bounds();
         let longest = self.longest_side(scene, device).map_or(f32::INFINITY, |share| (high - low).length() * share);
-        SideLimit { longest, eye }
+        SideLimit { longest, foci }
     }
 
     /// As a share of the scene's diagonal, where triangles are to be cut for captures or as settings say.

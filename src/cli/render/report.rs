@@ -9,7 +9,7 @@ use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
 use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
 use hemicube::report::trace::Trace;
-use hemicube::scene::{Camera, Scene};
+use hemicube::scene::Scene;
 use hemicube::vk::{Device, Span};
 use serde_json::json;
 use std::path::Path;
@@ -37,7 +37,7 @@ impl Report {
     }
 
     /// Says what is rendered, on what, and what is left out.
-    pub fn scene(&self, scene: &Scene, camera: &Camera, note: Option<&str>, settings: &Settings) {
+    pub fn scene(&self, scene: &Scene, note: Option<&str>, settings: &Settings) {
         if self.talk.quiet {
             return;
         }
@@ -55,7 +55,7 @@ impl Report {
         } else if !scene.notes.is_empty() {
             say!("note: {} remarks on the file; -v shows them", scene.notes.len());
         }
-        let plan = Plan::of(scene, camera, settings, Some(&self.device));
+        let plan = Plan::of(scene, settings, Some(&self.device));
         say!("plan: {}", plan.run.join(", "));
         for left in &plan.left_out {
             say!("left out: {} ({})", left.pass, left.why);
