@@ -23,10 +23,11 @@ use crate::methods::{Ground, Sky};
 use crate::passes::gbuffer::{GBuffer, Targets};
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
+use crate::passes::pixel_light::direct_image;
 use crate::passes::resolve::{Inputs, Plane, Resolve};
 use crate::scene::{Camera, Scene};
 use crate::vk::pass::{PassTime, Recorder};
-use crate::vk::{Buffer, Device, Error as VulkanError, Memory, MemoryUse, Span, barrier};
+use crate::vk::{Device, Error as VulkanError, Image, MemoryUse, Span};
 use camera::View;
 use std::sync::Arc;
 use std::time::Instant;
@@ -177,9 +178,7 @@ fn render_as_set(
     // What lights it directly.
     let extent = Extent { bounds: geometry.bounds, radius: geometry.radius };
     let sets = light_sets(scene, extent, &settings.lights, plan.sky && plan.captures && settings.bounces > 0)?;
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let direct =
-        plan.lights.then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device)).transpose()?;
+    let direct = plan.lights.then(|| direct_image(device, size)).transpose()?;
     let ground = Ground { scene, geometry: &geometry, textures };
     let pixels = direct.as_ref().map(|direct| (&gbuffer.targets, direct));
     let cells = plan.captures && settings.bounces > 0;
@@ -213,7 +212,7 @@ fn render_as_set(
     recorder.submit(|recording| {
         recording.pass("clear", |c| {
             if let Some(direct) = &direct {
-                c.fill(direct, 0);
+                c.clear_image(direct);
             }
             c.fill(&geometry.cell_radiance, 0);
             Ok(())
@@ -240,19 +239,9 @@ fn render_as_set(
         }
         None => CacheStats::default(),
     };
-    recorder.submit(|recording| {
-        recording.pass("resolve", |c| {
-            resolve.record(c, view.clip_to_world_direction, view.axis);
-            Ok(())
-        })?;
-        recording.pass("readback", |c| {
-            barrier::full(c);
-            resolve.record_readback(c);
-            Ok(())
-        })
-    })?;
+    let values = resolve.run(&mut recorder, view.clip_to_world_direction, view.axis)?;
     clock.lap("run passes");
-    let picture = output::picture(&resolve, &settings.planes, size, scene.origin);
+    let picture = output::picture(values, &settings.planes, size, scene.origin);
     clock.lap("read result");
     Ok(Rendered {
         picture,
@@ -271,7 +260,7 @@ fn build_lights<'a>(
     sets: Vec<LightSet>,
     ground: &Ground<'a>,
     coarse: Option<&'a CoarseSurface>,
-    pixels: Option<(&Targets, &Buffer)>,
+    pixels: Option<(&Targets, &Image)>,
     cells: bool,
 ) -> Result<Vec<DirectLight<'a>>, VulkanError> {
     let needed = |set: &LightSet| cells || !set.cells_only;

@@ -10,7 +10,7 @@ use crate::passes::shadow::Shadow;
 use crate::passes::surface_light::{Batch, SurfaceLight};
 use crate::vk::gpu_types::{EmitterFace, LightSample};
 use crate::vk::pass::Recorder;
-use crate::vk::{Buffer, Device, Memory, Result, Sampler};
+use crate::vk::{Buffer, Device, Image, Memory, Result, Sampler};
 use std::sync::Arc;
 
 /// Bytes of shadow tiles, depth and identity, that are held at once.
@@ -34,14 +34,14 @@ pub struct DirectLight<'a> {
 impl<'a> DirectLight<'a> {
     /// Builds the passes that `set` needs.
     ///
-    /// Pixels see the shadows of exact `casters` only; `pixels` are the visible surfaces and the buffer of their
+    /// Pixels see the shadows of exact `casters` only; `pixels` are the visible surfaces and the image of their
     /// direct irradiance, four floats a pixel; `cells` says whether captures will read the surface cells.
     pub fn new(
         device: &Arc<Device>,
         set: LightSet,
         ground: &Ground<'_>,
         casters: &Arc<Casters<'a>>,
-        pixels: Option<(&Targets, &Buffer)>,
+        pixels: Option<(&Targets, &Image)>,
         cells: bool,
     ) -> Result<Self> {
         let tile = u64::from(set.shadow_size).pow(2) * u64::from(set.views.count()) * 8;

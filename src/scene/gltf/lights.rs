@@ -14,7 +14,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// All lights in node order, relative to `origin`.
 pub fn lights(document: &Document, placed: &[Placed], origin: DVec3, notes: &mut Notes) -> Result<Vec<Light>> {
     let mut lights = Vec::new();
-    for p in placed {
+    for p in placed.iter().filter(|p| !p.hidden) {
         if let Some(used) = &document.nodes[p.node].extensions.light {
             let light = item(&document.lights, "light", used.light).within(|| document.node_label(p.node))?;
             let converted = light_at(light, p.to_world, origin);
