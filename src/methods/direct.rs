@@ -11,7 +11,7 @@ use crate::passes::surface_light::{Batch, SurfaceLight};
 use crate::scene::Scene;
 use crate::vk::gpu_types::{EmitterFace, LightSample};
 use crate::vk::pass::Recorder;
-use crate::vk::{Buffer, Device, Memory, Result, Sampler};
+use crate::vk::{Buffer, Device, Image, Memory, Result, Sampler};
 use std::sync::Arc;
 
 /// Bytes of shadow tiles, depth and identity, that are held at once.
@@ -77,7 +77,7 @@ impl DirectLight {
         device: &Arc<Device>,
         ground: &Ground<'_>,
         gbuffer: &Targets,
-        direct: &Buffer,
+        direct: &Image,
     ) -> Result<Option<PixelLight>> {
         let shadows = self.shadows(self.casters.surface(ground).scene);
         let new = || PixelLight::new(device, gbuffer, &shadows, self.faces.as_ref(), direct);

@@ -6,6 +6,7 @@ use crate::methods::captures::CaptureMode;
 use crate::methods::casters::CoarseSurface;
 use crate::methods::sky_bytes;
 use crate::passes::geometry::{Arrangement, Need, SurfaceSize, needs};
+use crate::passes::resolve::BAND;
 use crate::passes::slices::Slices;
 use crate::scene::Scene;
 use crate::vk::Device;
@@ -65,7 +66,9 @@ pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &P
         let need = |used_for, bytes| Need { used_for, bytes, largest: bytes, allowed };
         all.extend(Slices::needs(&far.grid).map(|(used_for, bytes)| need(used_for, bytes)));
     }
-    let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let layers: u64 = settings.planes.iter().map(|plane| u64::from(plane.channels())).sum();
+    let image = pixels * pixel(plan) + 2 * BAND.min(4 * layers * pixels);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
     let casters = if plan.runs(Part::CoarseCasters) { CoarseSurface::most_bytes(scene) } else { 0 };
     let rest = [
@@ -83,12 +86,11 @@ pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &P
 }
 
 /// Bytes of a pixel in what has the image's size: position, normals, albedo, depth and emission, direct light, sums of splats,
-/// the neighbours that clamp them, the layers and their read-back.
-fn pixel(plan: &Plan, settings: &Settings) -> u64 {
-    let layers: u64 = settings.planes.iter().map(|plane| u64::from(plane.channels())).sum();
+/// and the neighbours that clamp them. The layers go by way of bands ([`BAND`]).
+fn pixel(plan: &Plan) -> u64 {
     let runs = |part| u64::from(plan.runs(part));
     let sums = runs(Part::Splat) + runs(Part::Sky) + (runs(Part::Contrast) | runs(Part::RecordCounts));
-    36 + 16 * (runs(Part::Emission) + u64::from(plan.lights()) + sums) + 8 * runs(Part::ClampRecords) + 8 * layers
+    36 + 16 * (runs(Part::Emission) + u64::from(plan.lights()) + sums) + 8 * runs(Part::ClampRecords)
 }
 
 /// Checks that what `plan` makes of `scene` fits, its surface of that `size`.

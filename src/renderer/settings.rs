@@ -191,13 +191,6 @@ impl Settings {
         range("--batch", self.cache.batch.unwrap_or(1), 1, u32::MAX)?;
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;
-        // Three shader stages address pixels by 32 bits.
-        let pixels = u64::from(self.width) * u64::from(self.height);
-        let buffer = u64::from(limits.max_storage_buffer_range) / 16;
-        if pixels > buffer {
-            let rule = format!("{pixels} pixels are above this device's {buffer} (maxStorageBufferRange / 16 bytes)");
-            return Err(error("image size", format!("{}×{}", self.width, self.height), rule));
-        }
         Ok(())
     }
 }

@@ -8,11 +8,11 @@ use crate::image::Picture;
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::methods::{Ground, Sky};
 use crate::passes::gbuffer::GBuffer;
-use crate::passes::pixel_light::PixelLight;
+use crate::passes::pixel_light::{PixelLight, direct_image};
 use crate::passes::resolve::{Inputs, Plane, Resolve};
 use crate::scene::Scene;
 use crate::vk::pass::Recorder;
-use crate::vk::{Buffer, Device, Memory, Result, barrier};
+use crate::vk::{Device, Image, Result};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(super) struct View {
     pub(super) settings: Settings,
     gbuffer: GBuffer,
-    direct: Option<Buffer>,
+    direct: Option<Image>,
     /// One a light; none where it lights the surface alone.
     pub(super) pixel_lights: Vec<Option<PixelLight>>,
     cache: Option<IrradianceCache>,
@@ -40,9 +40,7 @@ impl View {
         let ground = surface.ground(scene);
         let emission = plan.runs(Part::Emission);
         let gbuffer = GBuffer::new(device, scene, ground.geometry, ground.textures, size, emission)?;
-        let pixels = u64::from(size[0]) * u64::from(size[1]);
-        let new_direct = || Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device);
-        let direct = plan.lights().then(new_direct).transpose()?;
+        let direct = plan.lights().then(|| direct_image(device, size)).transpose()?;
         let pixel_lights = match &direct {
             Some(direct) => {
                 let new = |light: &crate::methods::direct::DirectLight| {
@@ -79,7 +77,7 @@ impl View {
         recorder.submit(|recording| {
             if let Some(direct) = &self.direct {
                 recording.pass("clear", |c| {
-                    c.fill(direct, 0);
+                    c.clear_image(direct);
                     Ok(())
                 })?;
             }
@@ -112,20 +110,10 @@ impl View {
         clock: &mut Clock,
         origin: DVec3,
     ) -> Result<Picture> {
-        recorder.submit(|recording| {
-            recording.pass("resolve", |c| {
-                self.resolve.record(c, eyes.clip_to_world_direction, eyes.axis);
-                Ok(())
-            })?;
-            recording.pass("readback", |c| {
-                barrier::full(c);
-                self.resolve.record_readback(c);
-                Ok(())
-            })
-        })?;
+        let values = self.resolve.run(recorder, eyes.clip_to_world_direction, eyes.axis)?;
         clock.lap("run passes");
         let size = [self.settings.width, self.settings.height];
-        let picture = output::picture(&self.resolve, &self.settings.planes, size, origin);
+        let picture = output::picture(values, &self.settings.planes, size, origin);
         clock.lap("read result");
         Ok(picture)
     }
@@ -153,7 +141,7 @@ fn new_resolve(
     device: &Arc<Device>,
     surface: &Surface,
     gbuffer: &GBuffer,
-    direct: Option<&Buffer>,
+    direct: Option<&Image>,
     cache: Option<&IrradianceCache>,
     settings: &Settings,
 ) -> Result<Resolve> {

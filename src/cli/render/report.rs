@@ -51,6 +51,7 @@ impl Report {
         );
         note.into_iter().for_each(|note| say!("note: {note}"));
         if self.talk.verbose {
+            say!("note: {}", self.device.pipeline_cache_note());
             scene.notes.iter().for_each(|note| say!("note: {note}"));
         } else if !scene.notes.is_empty() {
             say!("note: {} remarks on the file; -v shows them", scene.notes.len());
