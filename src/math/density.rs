@@ -46,7 +46,7 @@ impl Focus {
         Self { position, nearest: radius * NEAREST, share: 1.0, whole: radius * NEAREST }
     }
 
-    /// Where a surface has small triangles, at most [`MOST_PLACES`] places; together they have a share of 1.
+    /// Where a surface has small triangles, at most `MOST_PLACES` places; together they have a share of 1.
     ///
     /// Each place is a cube of a grid as coarse as the triangles in it are large, however many these are: a detailed figure counts
     /// by its size, not by its triangles. Where there are too many places, the finest grids are left out.
