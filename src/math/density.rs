@@ -13,7 +13,7 @@ const MOST_PLACES: usize = 64;
 const SMALLEST: f32 = 1.0 / (1 << 20) as f32;
 /// Sides of triangles beside a place of detail are cut only if they are longer than so many of its sizes: then few rooms are cut for
 /// the boxes in them.
-const WHOLE: f32 = 6.0;
+const WHOLE: f32 = 7.0;
 
 /// A place near which cells are finer.
 #[derive(Clone, Copy, Debug, PartialEq)]
