@@ -21,6 +21,7 @@ use crate::image::Picture;
 use crate::methods::captures::NoSlices;
 use crate::methods::irradiance_cache::CacheStats;
 use crate::methods::light_samples::TooManyLights;
+use crate::methods::surface_cache::Bounced;
 use crate::scene::{Camera, Scene};
 use crate::vk::pass::{PassTime, Recorder};
 use crate::vk::{Device, Error as VulkanError, MemoryUse, Span};
@@ -59,6 +60,8 @@ pub struct Rendered {
     pub plan: Plan,
     /// What went otherwise than planned, since the scene was opened, a line each, for the user.
     pub warnings: Vec<String>,
+    /// What was done for light beyond the first bounce; none where none was asked for.
+    pub bounced: Option<Bounced>,
     /// What the cache did.
     pub cache: CacheStats,
     /// Every pass that ran, in order.
@@ -181,6 +184,8 @@ impl<'a> Renderer<'a> {
         let eyes = camera::View::new(&self.scene, camera, [settings.width, settings.height]);
         view.draw(&mut recorder, &ground, &eyes)?;
         self.surface.light(&mut recorder, &self.scene, &view.pixel_lights, on_progress)?;
+        let on = (&self.device, &mut recorder);
+        self.surface.bounce(on, &self.scene, &self.plan, &settings, on_progress)?;
         let cache = loop {
             let ground = self.surface.ground(&self.scene);
             match view.run_cache(&mut recorder, &ground, &eyes, on_progress) {
@@ -197,6 +202,7 @@ impl<'a> Renderer<'a> {
             picture,
             plan: self.plan.clone(),
             warnings: self.warnings.clone(),
+            bounced: self.surface.bounced.clone(),
             cache,
             passes: recorder.passes,
             submissions: recorder.submissions,

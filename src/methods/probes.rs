@@ -281,7 +281,7 @@ pub(super) fn light_surfaces(
 }
 
 /// The capture frame of a place; twin of `place_records.comp`.
-fn frame(place: &Place, scene_radius: f32, scale: f32) -> Frame {
+pub(super) fn frame(place: &Place, scene_radius: f32, scale: f32) -> Frame {
     let Place { position, normal: n, geometric, turn } = *place;
     // Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin 2017: a frame without a branch on the normal.
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };

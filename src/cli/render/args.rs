@@ -1,8 +1,9 @@
 //! The flags of `hemicube render`.
 
-use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg, SolverArg};
 use crate::cli::choices::{CaptureArg, GradientsArg, WeightArg};
 use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
+use crate::cli::reference::parse_bounces;
 use clap::Args;
 use hemicube::image::LayerSet;
 use hemicube::image::tone::ToneMap;
@@ -39,9 +40,19 @@ pub struct RenderArgs {
     /// Tone mapping of a PNG: agx, srgb (clamped) or reinhard
     #[arg(long, value_name = "NAME", default_value = "agx", help_heading = "Image")]
     pub(super) tone: ToneMap,
-    /// Reflections on the way: 0 is direct light only, 1 one bounce of indirect light
-    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Light")]
+    /// Reflections on the way: 0 is direct light only, 1 one bounce of indirect light; all: as many as carry light. What is
+    /// beyond the first is gathered on the surfaces, at sparse places that look at the scene once
+    #[arg(long, value_name = "N|all", default_value = "1", value_parser = parse_bounces, help_heading = "Light")]
     pub(super) bounces: u32,
+    /// Of all bounces, the share of the light by one that may be missing
+    #[arg(long, value_name = "SHARE", help_heading = "Light")]
+    pub(super) bounce_tolerance: Option<f32>,
+    /// How all bounces are summed: by GMRES, or one after the other, which takes hundreds of steps in white rooms
+    #[arg(long, value_enum, default_value = "accelerated", help_heading = "Light")]
+    pub(super) bounce_solver: SolverArg,
+    /// Places on the surfaces that gather what is beyond the first bounce, about; default: one for a hundred surface cells
+    #[arg(long, value_name = "N", help_heading = "Light")]
+    pub(super) places: Option<u32>,
     /// Samples of all emissive triangles together, one for each at least; the noise of soft shadows falls with their number
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) light_samples: Option<u32>,
@@ -146,6 +157,7 @@ Examples:
   hemicube render -o cornell.exr
   hemicube render sponza.gltf -o sponza.png --exposure 1
   hemicube render sponza.gltf -o sponza.exr --width 640 --height 360 --accuracy 0.2 --stats sponza.json
+  hemicube render room.glb -o room.png --bounces all
   hemicube render room.glb -o room.exr --background sky.exr --layers all --trace room.trace.json
 
 A draft, in half to a sixth of the time, with three times the error: --accuracy 1 --capture-size 16 --contrast 0 --surface-cells 60000

@@ -4,6 +4,7 @@ use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
 use hemicube::methods::rates::Rates;
+use hemicube::methods::surface_cache::Bounced;
 use hemicube::renderer::{Part, Plan, Rendered, Settings};
 use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
@@ -118,6 +119,9 @@ impl Report {
                 rendered.memory.peak >> 20,
                 output.display()
             );
+            if let Some(bounced) = &rendered.bounced {
+                say!("{}", in_words(bounced));
+            }
             if let Some(work) = rendered.cache.work {
                 let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
                 say!(
@@ -179,6 +183,9 @@ impl Report {
         if !rendered.warnings.is_empty() {
             stats.extra.insert("warnings".into(), json!(rendered.warnings));
         }
+        if let Some(bounced) = &rendered.bounced {
+            stats.extra.insert("bounces".into(), in_numbers(bounced));
+        }
         if let Some(work) = rendered.cache.work {
             let work = json!({"triangle_views": work.triangle_views, "texels": work.texels,
                 "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});
@@ -206,6 +213,26 @@ impl Report {
         }
         trace
     }
+}
+
+/// What was done for light beyond the first bounce, in a line.
+fn in_words(bounced: &Bounced) -> String {
+    let Bounced { places, residuals, lost, seen_bytes, .. } = bounced;
+    format!(
+        "bounces: {places} places, {} products, residual {:.1e}, {:.2} % of the light by reflection left out, {} kB of what is seen",
+        residuals.len(),
+        residuals.last().copied().unwrap_or(0.0),
+        lost * 100.0,
+        seen_bytes / 1000
+    )
+}
+
+/// The same for `--stats`.
+fn in_numbers(bounced: &Bounced) -> serde_json::Value {
+    let Bounced { places, rounds, seen_bytes, entries, residuals, lost, times_ms, .. } = bounced;
+    let [capture, build, solve, light] = times_ms;
+    json!({"places": places, "rounds": rounds, "seen_bytes": seen_bytes, "entries": entries, "residuals": residuals,
+        "lost": lost, "ms": {"capture": capture, "build": build, "solve": solve, "light": light}})
 }
 
 /// What the passes of the cache did, beside the device's rates.

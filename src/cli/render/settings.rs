@@ -2,8 +2,9 @@
 
 use super::Kind;
 use super::args::RenderArgs;
-use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg, SolverArg};
 use crate::cli::choices::{CaptureOptions, WeightArg};
+use hemicube::methods::surface_cache::Solver;
 use hemicube::passes::integrate::{Gradients, Radius};
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -16,6 +17,12 @@ impl RenderArgs {
         let (width, height) = image_size(camera, self.image.width, self.image.height);
         let mut settings =
             Settings { width, height, bounces: self.bounces, full_plan: self.full_plan, ..Settings::default() };
+        settings.bounce_tolerance = self.bounce_tolerance.unwrap_or(settings.bounce_tolerance);
+        settings.bounce_solver = match self.bounce_solver {
+            SolverArg::Plain => Solver::Plain,
+            SolverArg::Accelerated => Solver::Accelerated,
+        };
+        settings.places = self.places;
         let set = |to: &mut f32, from: Option<f32>| *to = from.unwrap_or(*to);
         let set_u32 = |to: &mut u32, from: Option<u32>| *to = from.unwrap_or(*to);
         let cache = &mut settings.cache;
