@@ -7,6 +7,8 @@ use super::places::{Place, Places};
 use super::sides::{Point, Sides};
 use glam::IVec3;
 
+/// Sum of weights from which a patch counts as covered.
+pub(super) const COVERED: f32 = 0.2;
 /// Cosine between normals at which a weight has fallen to zero.
 const LEAST_COSINE: f32 = 0.5;
 /// A place lies on another surface where it is further off the plane between the two than this share of its distance.
@@ -18,8 +20,10 @@ const STIFFNESS: f32 = 0.02;
 pub(super) struct Interpolator<'a> {
     places: &'a Places,
     sides: &'a Sides<'a>,
-    /// Triangle, side and voxel that the candidates are of.
-    at: Option<(u32, u32, IVec3)>,
+    /// Voxel that the places in `near` are of; triangle and side that the candidates are of.
+    voxel: Option<IVec3>,
+    near: Vec<u32>,
+    at: Option<(u32, u32)>,
     candidates: Vec<u32>,
     /// Where the places of `weights` lie in the point's tangent plane.
     offsets: Vec<[f32; 2]>,
@@ -39,7 +43,8 @@ pub(super) struct Weight {
 
 impl<'a> Interpolator<'a> {
     pub(super) fn new(places: &'a Places, sides: &'a Sides<'a>) -> Self {
-        Self { places, sides, at: None, candidates: Vec::new(), offsets: Vec::new(), weights: Vec::new() }
+        let (near, candidates, offsets, weights) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { places, sides, voxel: None, near, at: None, candidates, offsets, weights }
     }
 
     /// Finds the weights at the middle of a patch's side; returns how well that is covered, 0 for not at all.
@@ -63,7 +68,7 @@ impl<'a> Interpolator<'a> {
                 self.offsets.push(offset);
             }
         }
-        if covered < super::places::knob("K_COV", 0.3) {
+        if covered < COVERED {
             return self.take_all(&point);
         }
         self.make_linear(&fit);
@@ -103,18 +108,19 @@ impl<'a> Interpolator<'a> {
     }
 
     fn choose_candidates(&mut self, side: u32, point: &Point) {
-        let at = (self.sides.triangle(side), side % 2, self.places.voxel_of(point.position));
-        if self.at == Some(at) {
-            return;
+        let (places, voxel) = (self.places, self.places.voxel_of(point.position));
+        if self.voxel != Some(voxel) {
+            self.near.clear();
+            places.near(voxel, |place| self.near.push(place));
+            (self.voxel, self.at) = (Some(voxel), None);
         }
-        self.at = Some(at);
-        self.candidates.clear();
-        let (places, candidates) = (self.places, &mut self.candidates);
-        places.near(at.2, |place| {
-            if places.all[place as usize].point.normal.dot(point.geometric) > 0.0 {
-                candidates.push(place);
-            }
-        });
+        let at = (self.sides.triangle(side), side % 2);
+        if self.at != Some(at) {
+            self.candidates.clear();
+            let faces = |place: &&u32| places.all[**place as usize].point.normal.dot(point.geometric) > 0.0;
+            self.candidates.extend(self.near.iter().filter(faces));
+            self.at = Some(at);
+        }
     }
 }
 

@@ -43,7 +43,7 @@ const CELLS: u32 = 100;
 /// Width of patches relative to the distance between places.
 const PATCH: f32 = 0.4;
 /// Fewest and most places that are aimed at where nobody says how many.
-const USUAL: [u32; 2] = [1 << 10, 1 << 13];
+const USUAL: [u32; 2] = [1 << 10, 3 << 10];
 /// Bytes of what texels see, at most.
 const SEEN_BYTES: usize = 512 << 20;
 /// Products of all bounces together, at most.
@@ -232,15 +232,15 @@ impl SurfaceCache<'_> {
 
     /// Direct light and what is reflected of the places' irradiance, of both sides of each cell.
     fn light(&self, chosen: &Chosen, solution: &Solution) -> Vec<[f32; 3]> {
-        let of_triangle = |(triangle, cells): (u32, Range<u32>)| {
+        let interpolator = || Interpolator::new(&chosen.places, &self.sides);
+        let of_triangle = |interpolator: &mut Interpolator<'_>, (triangle, cells): (u32, Range<u32>)| {
             let mut light = self.direct[2 * cells.start as usize..2 * cells.end as usize].to_vec();
             let mut fits: HashMap<u32, Option<Fitted>> = HashMap::new();
-            let mut interpolator = Interpolator::new(&chosen.places, &self.sides);
             for cell in cells.clone() {
                 let mut albedo = None;
                 for cell_side in [2 * cell, 2 * cell + 1] {
                     let side = self.sides.of_cell(cell_side);
-                    let fit = fits.entry(side).or_insert_with(|| Fitted::at(side, &mut interpolator, &self.sides, solution));
+                    let fit = fits.entry(side).or_insert_with(|| Fitted::at(side, interpolator, &self.sides, solution));
                     let Some(fit) = fit else { continue };
                     let albedo = *albedo.get_or_insert_with(|| self.sides.cell_albedo(triangle, cell));
                     let more = albedo / PI * fit.irradiance(self.sides.cell_position(triangle, cell));
@@ -250,7 +250,7 @@ impl SurfaceCache<'_> {
             }
             light
         };
-        self.sides.cells_of_triangles().map(of_triangle).collect::<Vec<_>>().concat()
+        self.sides.cells_of_triangles().with_min_len(64).map_init(interpolator, of_triangle).collect::<Vec<_>>().concat()
     }
 }
 

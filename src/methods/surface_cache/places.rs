@@ -13,8 +13,7 @@ use std::f32::consts::{PI, TAU};
 const AZIMUTHS: usize = 256;
 /// A place reaches this share of the harmonic mean distance of what it sees, as a record of the picture does (Ward 1988).
 const ACCURACY: f32 = 0.35;
-pub(super) fn knob(name: &str, default: f32) -> f32 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
-/// Nor less than this share of the largest reach on its level.
+/// Nor less than this share of the largest reach.
 const LEAST: f32 = 0.5;
 /// Distance of a point from a plane, relative to the distance of places, that rounding may make.
 const GRAIN: f32 = 1e-4;
@@ -73,12 +72,13 @@ impl Places {
         frame(&Looking { position, normal, geometric, turn }, scene_radius, 1.0)
     }
 
-    /// Adds a place that was captured; its reach is `most` or less, by what it sees.
-    pub(super) fn add(&mut self, point: Point, frame: &Frame, seen: &Seen<'_>, sides: &Sides<'_>, most: f32) {
+    /// Adds a place that was captured; its reach follows from the distances that it sees.
+    pub(super) fn add(&mut self, point: Point, frame: &Frame, seen: &Seen<'_>, sides: &Sides<'_>) {
+        let most = self.voxel;
         let axis = |a: [f32; 4]| Vec3::new(a[0], a[1], a[2]);
         let closeness: f32 = (0..self.weights.len()).map(|i| self.weights[i] * seen.inverse_distance(i)).sum();
-        let wanted = if closeness > 0.0 { knob("K_ACC", ACCURACY) * PI / closeness } else { most };
-        let reach = wanted.clamp(knob("K_LEAST", LEAST) * most, most);
+        let wanted = if closeness > 0.0 { ACCURACY * PI / closeness } else { most };
+        let reach = wanted.clamp(LEAST * most, most);
         let number = self.all.len() as u32;
         self.voxels.entry(self.voxel_of(point.position)).or_default().push(number);
         self.all.push(Place { point, reach, tangent: axis(frame.tangent), bitangent: axis(frame.bitangent) });

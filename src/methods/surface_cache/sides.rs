@@ -3,16 +3,18 @@
 //! cells are.
 
 use crate::math::cells;
+use crate::math::sequence::triangle_point;
 use crate::methods::Ground;
 use crate::scene::{Part, Scene};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Points of a cell that its albedo is averaged over: the rule of degree 2 on a triangle.
-const POINTS: [Vec2; 3] =
-    [Vec2::splat(1.0 / 6.0), Vec2::new(2.0 / 3.0, 1.0 / 6.0), Vec2::new(1.0 / 6.0, 2.0 / 3.0)];
-/// Cells of a patch that its albedo is averaged over, at most.
-const MOST_CELLS: usize = 16;
+/// Points that the albedo of a patch is averaged over.
+const PATCH_POINTS: u32 = 16;
+/// Points that the albedo of a cell is averaged over,
+const CELL_POINTS: u32 = 4;
+/// and cells of a triangle from which each has a single one.
+const MANY_CELLS: usize = 16;
 
 /// A point of the surface and what faces its side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,30 +134,27 @@ impl<'a> Sides<'a> {
         a + (b - a) * u + (c - a) * v
     }
 
-    /// Albedo of both sides of the patch, averaged over its cells.
+    /// Albedo of both sides of the patch, averaged over its points that the surface has; at most 1.
     pub(super) fn albedo(&self, side: u32) -> Vec3 {
         let (triangle, patch) = (self.triangle(side), side / 2);
-        let cells = self.first_cell[triangle as usize]..self.first_cell[triangle as usize + 1];
-        if !self.scene.albedo_varies(self.material(triangle)) {
-            return self.cell_albedo(triangle, cells.start);
-        }
-        let count = cells.len() / (self.first[triangle as usize + 1] - self.first[triangle as usize]) as usize;
-        let own = cells.filter(|cell| self.patch[*cell as usize] == patch).step_by(count.div_ceil(MOST_CELLS).max(1));
-        let (sum, count) = own.fold((Vec3::ZERO, 0.0), |(s, n), cell| (s + self.cell_albedo(triangle, cell), n + 1.0));
-        sum / f32::max(count, 1.0)
+        let range = self.first[triangle as usize]..self.first[triangle as usize + 1];
+        self.mean_albedo(triangle, (range.len() as u32, patch - range.start), PATCH_POINTS)
     }
 
-    /// Albedo of both sides of a cell of a triangle, averaged over its points that the surface has; at most 1.
+    /// The same of a cell of a triangle.
     pub(super) fn cell_albedo(&self, triangle: u32, cell: u32) -> Vec3 {
-        let (vertices, material) = (self.triangles[triangle as usize], self.material(triangle));
-        if !self.scene.albedo_varies(material) {
-            return self.scene.albedo_at(material, vertices, self.middle(triangle, cell)).unwrap_or(Vec3::ZERO);
-        }
-        let first = self.first_cell[triangle as usize];
-        let r = (self.first_cell[triangle as usize + 1] - first).isqrt();
-        let at = |st: &Vec2| cells::point(r, cell - first, st.as_dvec2()).as_vec2();
-        let albedo = |st| self.scene.albedo_at(material, vertices, at(st));
-        let (sum, present) = POINTS.iter().filter_map(albedo).fold((Vec3::ZERO, 0.0), |(s, n), a| (s + a, n + 1.0));
+        let range = self.first_cell[triangle as usize]..self.first_cell[triangle as usize + 1];
+        let points = if range.len() >= MANY_CELLS { 1 } else { CELL_POINTS };
+        self.mean_albedo(triangle, (range.len() as u32, cell - range.start), points)
+    }
+
+    /// Over `points` points of one of so many equal pieces of a triangle.
+    fn mean_albedo(&self, triangle: u32, (pieces, piece): (u32, u32), points: u32) -> Vec3 {
+        let (vertices, material, cuts) = (self.triangles[triangle as usize], self.material(triangle), pieces.isqrt());
+        let points = if self.scene.albedo_varies(material) { points } else { 1 };
+        let at = |i: u32| cells::point(cuts, piece, triangle_point(i).as_dvec2()).as_vec2();
+        let albedo = |i: u32| self.scene.albedo_at(material, vertices, at(i));
+        let (sum, present) = (0..points).filter_map(albedo).fold((Vec3::ZERO, 0.0), |(s, n), a| (s + a, n + 1.0));
         sum / f32::max(present, 1.0)
     }
 

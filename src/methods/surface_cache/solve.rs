@@ -87,10 +87,10 @@ impl<'a> Sum<'a> {
 
 /// What all bounces after `last` add, those after `next` as a geometric series (Aitken 1926), as a share of the whole.
 fn lost(irradiance: &[DVec3], last: &[DVec3], next: &[DVec3]) -> f64 {
-    let total = |values: &[DVec3]| values.iter().map(|v| v.element_sum()).sum::<f64>();
+    let total = |values: &[DVec3]| values.iter().map(|v| v.abs().element_sum()).sum::<f64>();
     let (whole, last, next) = (total(irradiance), total(last), total(next));
     let ratio = if last > 0.0 { (next / last).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
-    let rest = next.abs() / (1.0 - ratio);
+    let rest = next / (1.0 - ratio);
     if whole > 0.0 { rest / (whole + rest) } else { 0.0 }
 }
 
