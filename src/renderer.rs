@@ -185,7 +185,9 @@ impl<'a> Renderer<'a> {
         view.draw(&mut recorder, &ground, &eyes)?;
         self.surface.light(&mut recorder, &self.scene, &view.pixel_lights, on_progress)?;
         let on = (&self.device, &mut recorder);
-        self.surface.bounce(on, &self.scene, &self.plan, &settings, on_progress)?;
+        if let Some(warning) = self.surface.bounce(on, &self.scene, &self.plan, &settings, on_progress)? {
+            self.warnings.push(warning);
+        }
         let cache = loop {
             let ground = self.surface.ground(&self.scene);
             match view.run_cache(&mut recorder, &ground, &eyes, on_progress) {

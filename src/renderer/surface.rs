@@ -54,7 +54,8 @@ impl Surface {
         clock.lap("upload scene");
         let has_cells = plan.captures && settings.bounces > 0;
         let (is_captured, lights, bounced) = (plan.captures, Vec::new(), None);
-        let mut surface = Self { geometry, textures, sky, lights, size, is_captured, has_cells, is_lit: false, bounced };
+        let mut surface =
+            Self { geometry, textures, sky, lights, size, is_captured, has_cells, is_lit: false, bounced };
         let ground = surface.ground(scene);
         let coarse = plan.runs(Part::CoarseCasters).then(|| CoarseSurface::new(device, &ground)).transpose()?.flatten();
         if plan.runs(Part::CoarseCasters) && coarse.is_none() {
@@ -106,7 +107,8 @@ impl Surface {
         Ok(())
     }
 
-    /// Lets the light of the cells go on from one to another, as the plan says, unless that is done.
+    /// Lets the light of the cells go on from one to another, as the plan says, unless that is done; a warning where it is not
+    /// done as asked for.
     pub(super) fn bounce(
         &mut self,
         (device, recorder): (&Arc<Device>, &mut Recorder),
@@ -114,9 +116,9 @@ impl Surface {
         plan: &Plan,
         settings: &Settings,
         on_progress: OnProgress<'_>,
-    ) -> Result<(), VulkanError> {
+    ) -> Result<Option<String>, VulkanError> {
         if self.bounced.is_some() || !plan.runs(Part::SurfaceCache) {
-            return Ok(());
+            return Ok(None);
         }
         let looking = Looking {
             size: PLACE_SIZE,
@@ -133,8 +135,10 @@ impl Surface {
         };
         let mut hear = |done| on_progress("bounces", done, 3);
         let ground = self.ground(scene);
-        self.bounced = Some(surface_cache::add_bounces(device, recorder, &ground, &wanted, &mut hear)?);
-        Ok(())
+        let bounced = surface_cache::add_bounces(device, recorder, &ground, &wanted, &mut hear)?;
+        let warning = bounced.warning();
+        self.bounced = Some(bounced);
+        Ok(warning)
     }
 }
 

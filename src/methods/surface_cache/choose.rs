@@ -101,13 +101,7 @@ impl Choice<'_> {
         way << 60 | bits(z) << 40 | bits(y) << 20 | bits(x)
     }
 
-    fn capture(
-        &self,
-        numbers: &Numbers,
-        recorder: &mut Recorder,
-        places: &mut Places,
-        picked: &[u32],
-    ) -> Result<()> {
+    fn capture(&self, numbers: &Numbers, recorder: &mut Recorder, places: &mut Places, picked: &[u32]) -> Result<()> {
         let first = places.all.len();
         let points: Vec<_> = picked.iter().map(|side| self.sides.point(*side)).collect();
         let radius = self.ground.geometry.radius;

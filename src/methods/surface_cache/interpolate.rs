@@ -171,6 +171,7 @@ impl Fit {
             return [[sum.recip(), 0.0, 0.0], [0.0; 3], [0.0; 3]];
         }
         let mixed = u * v - sum * uv;
-        [first, [first[1], sum * vv - v * v, mixed], [first[2], mixed, sum * uu - u * u]].map(|r| r.map(|f| f / determinant))
+        [first, [first[1], sum * vv - v * v, mixed], [first[2], mixed, sum * uu - u * u]]
+            .map(|r| r.map(|f| f / determinant))
     }
 }

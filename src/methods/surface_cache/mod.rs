@@ -87,6 +87,26 @@ pub struct Bounced {
     pub is_cut: bool,
 }
 
+impl Bounced {
+    /// What was not done as asked for, for the user.
+    pub fn warning(&self) -> Option<String> {
+        let Self { places, residuals, lost, .. } = self;
+        if self.is_cut {
+            let limit = SEEN_BYTES >> 20;
+            return Some(format!(
+                "what {places} places see takes {limit} MB, and light beyond the first bounce has no more places"
+            ));
+        }
+        let (products, lost) = (residuals.len(), lost * 100.0);
+        let unfinished = || {
+            format!(
+                "bounces: after {products} products {lost:.2} % of the light are missing; is a closed room's albedo 1?"
+            )
+        };
+        self.is_unfinished.then(unfinished)
+    }
+}
+
 /// Adds to the light of all cells of `ground`, which are lit directly, what they reflect of each other's. `on_progress` hears
 /// stages done, of three.
 ///
@@ -250,7 +270,12 @@ impl SurfaceCache<'_> {
             }
             light
         };
-        self.sides.cells_of_triangles().with_min_len(64).map_init(interpolator, of_triangle).collect::<Vec<_>>().concat()
+        self.sides
+            .cells_of_triangles()
+            .with_min_len(64)
+            .map_init(interpolator, of_triangle)
+            .collect::<Vec<_>>()
+            .concat()
     }
 }
 

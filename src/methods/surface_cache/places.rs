@@ -83,7 +83,9 @@ impl Places {
         self.voxels.entry(self.voxel_of(point.position)).or_default().push(number);
         self.all.push(Place { point, reach, tangent: axis(frame.tangent), bitangent: axis(frame.bitangent) });
         self.seen.extend((0..self.weights.len()).map(|i| seen.side(i)));
-        let wall = |i: &usize| Some(seen.side(*i)).filter(|side| *side != NOTHING).map_or(0, |s| sides.triangle(sides.of_cell(s)) + 1);
+        let wall = |i: &usize| {
+            Some(seen.side(*i)).filter(|side| *side != NOTHING).map_or(0, |s| sides.triangle(sides.of_cell(s)) + 1)
+        };
         self.walls.extend(self.horizon.iter().map(wall));
     }
 
@@ -133,7 +135,11 @@ fn azimuth_bin(x: f32, y: f32) -> usize {
 /// A unit vector in the middle of a bin.
 fn azimuth_middle(bin: usize) -> DVec2 {
     let turn = 4.0 * (bin as f64 + 0.5) / AZIMUTHS as f64;
-    let way = if turn <= 2.0 { DVec2::new(1.0 - (turn - 1.0).abs(), turn - 1.0) } else { DVec2::new((turn - 3.0).abs() - 1.0, 3.0 - turn) };
+    let way = if turn <= 2.0 {
+        DVec2::new(1.0 - (turn - 1.0).abs(), turn - 1.0)
+    } else {
+        DVec2::new((turn - 3.0).abs() - 1.0, 3.0 - turn)
+    };
     way.normalize()
 }
 

@@ -113,8 +113,7 @@ fn accelerated(system: &System, first: &[DVec3], tolerance: f64, most: usize) ->
         }
     }
     // One bounce more: what rounding made negative is gone, and what remains tells how much is missing.
-    let irradiance: Vec<_> =
-        solution.irradiance.iter().zip(&rest).map(|(e, r)| (*e + *r).max(DVec3::ZERO)).collect();
+    let irradiance: Vec<_> = solution.irradiance.iter().zip(&rest).map(|(e, r)| (*e + *r).max(DVec3::ZERO)).collect();
     let next = system.product(&rest);
     solution.residuals.push(share(norm(&next), size));
     solution.lost = lost(&irradiance, &rest, &next);
@@ -229,7 +228,8 @@ mod tests {
             let neighbours = [p.checked_sub(1), (p + 1 < count).then_some(p + 1)];
             let outside = neighbours.iter().flatten().map(|n| (*n, through)).collect::<Vec<_>>();
             let inside = 1.0 - through * outside.len() as f32;
-            let entry = |(place, share): &(u32, f32)| Entry { place: *place, factor: Vec3::new(rho, 0.5, 0.0) * *share };
+            let entry =
+                |(place, share): &(u32, f32)| Entry { place: *place, factor: Vec3::new(rho, 0.5, 0.0) * *share };
             outside.iter().chain([&(p, inside)]).map(entry).collect()
         };
         System::new(&(0..count).map(row).collect::<Vec<_>>())
@@ -271,7 +271,8 @@ mod tests {
         eprintln!("ten rooms: {slow} products plainly, {quick} accelerated");
         assert!(slow > 1000 && quick <= 15, "{slow} {quick}");
         for (a, b) in plain.irradiance.iter().zip(&fast.irradiance) {
-            assert!((*a - *b).abs().max_element() <= 1e-5 * a.max_element(), "{a} {b}");
+            // A residual leaves an error of 1/(1 − ρ) times as much.
+            assert!((*a - *b).abs().max_element() <= 100.0 * 1e-8, "{a} {b}");
             assert_eq!(b.z, 0.0);
         }
         assert!(plain.lost < 1e-5 && fast.lost < 1e-5);
