@@ -8,9 +8,10 @@ mod settings;
 pub use args::RenderArgs;
 
 use super::common::{TalkArgs, check_output};
+use super::say::{remark, say};
 use anyhow::{Result, bail};
-use hemicube::image::tone::Look;
-use hemicube::image::{exr, png};
+use hemicube::image::tone::{Exposure, Look, auto_stops};
+use hemicube::image::{Picture, exr, png};
 use hemicube::renderer::{Rendered, Settings, render};
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
@@ -28,7 +29,16 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     for path in [Some(&args.output), args.stats.as_ref(), args.trace.as_ref()].into_iter().flatten() {
         check_output(path)?;
     }
+    if picture_kind == Kind::Exr && args.exposure.is_some() && !args.talk.quiet {
+        remark!("note: --exposure changes nothing in an EXR, which holds radiance");
+    }
     let scene = args.scene.load()?;
+    if scene.is_dark() && !args.talk.quiet {
+        remark!(
+            "warning: nothing shines in this scene, so the picture is black: --default-light adds a soft sky, --background \
+             R,G,B one of your own; from Blender, tick Punctual Lights on export"
+        );
+    }
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, picture_kind);
     let loaded = started.elapsed();
@@ -43,7 +53,10 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let writing = Instant::now();
     match picture_kind {
         Kind::Exr => exr::write(&args.output, &rendered.picture, &[])?,
-        Kind::Png => png::write(&args.output, &rendered.picture, "", Look { tone: args.tone, stops: args.exposure })?,
+        Kind::Png => {
+            let stops = stops(args.exposure.unwrap_or_default(), &rendered.picture, args.talk.quiet);
+            png::write(&args.output, &rendered.picture, "", Look { tone: args.tone, stops })?;
+        }
     }
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
@@ -51,6 +64,20 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     report.finish(&scene, &rendered, &args.output, args.stats.as_deref(), args.trace.as_deref())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The exposure in stops; one that is found is said.
+fn stops(exposure: Exposure, picture: &Picture, quiet: bool) -> f32 {
+    match exposure {
+        Exposure::Stops(stops) => stops,
+        Exposure::Auto => {
+            let stops = picture.rgb("").map_or(0.0, auto_stops);
+            if !quiet {
+                say!("exposure {stops:+.1} stops (--exposure STOPS sets it)");
+            }
+            stops
+        }
+    }
 }
 
 fn run_with_progress(
