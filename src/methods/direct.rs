@@ -3,7 +3,7 @@
 use super::Ground;
 use super::casters::Casters;
 use super::light_set::{Face, LightSet};
-use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
+use crate::passes::capture::{Capture, CaptureDesc, FramesBy, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;
 use crate::passes::shadow::Shadow;
@@ -51,8 +51,9 @@ impl<'a> DirectLight<'a> {
             views: set.views,
             size: set.shadow_size,
             capacity,
-            identity: true,
+            keeps_depth: true,
             culled: pays_to_cull(device, casters.geometry.triangle_count),
+            frames: FramesBy::on(device),
         };
         let Ground { scene, geometry, textures } = *ground;
         let shadow = Capture::new(device, casters.scene, casters.geometry, textures, desc)?;
