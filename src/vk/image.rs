@@ -104,6 +104,13 @@ impl Image {
         }
     }
 
+    pub(super) fn all_layers(&self) -> vk::ImageSubresourceRange {
+        vk::ImageSubresourceRange::default()
+            .aspect_mask(self.aspect())
+            .level_count(1)
+            .layer_count(self.desc.layers.unwrap_or(1))
+    }
+
     fn layers(&self) -> vk::ImageSubresourceLayers {
         let layers = self.desc.layers.unwrap_or(1);
         vk::ImageSubresourceLayers::default().aspect_mask(self.aspect()).layer_count(layers)

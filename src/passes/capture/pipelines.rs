@@ -5,8 +5,8 @@ use crate::passes::geometry::{CLUSTER, DrawRange, Geometry};
 use crate::passes::material::{Textures, Variant};
 use crate::scene::Scene;
 use crate::vk::{
-    Device, GraphicsDesc, GraphicsPipeline, PipelineLayout, RenderPass, Result, SetLayout, Specialisation, VertexInput,
-    spirv,
+    Device, GraphicsDesc, GraphicsPipeline, PipelineLayout, RenderPass, Result, SetLayout, Shader, Specialisation,
+    VertexInput, spirv,
 };
 use ash::vk;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ impl PipelineBuilder<'_> {
     }
 
     /// A vertex shader, by what frames find their tiles.
-    fn vertices<'b>(&self, by_viewports: &'b [u8], by_instances: &'b [u8]) -> &'b [u8] {
+    fn vertices<'b>(&self, by_viewports: &'b Shader, by_instances: &'b Shader) -> &'b Shader {
         match self.desc.frames {
             FramesBy::Viewports => by_viewports,
             FramesBy::Instances => by_instances,
@@ -111,7 +111,7 @@ impl PipelineBuilder<'_> {
     fn made(
         &self,
         sets: &[&SetLayout],
-        (vertex, fragment): (&[u8], &[u8]),
+        (vertex, fragment): (&Shader, &Shader),
         input: VertexInput,
         constants: Specialisation,
     ) -> Result<GraphicsPipeline> {
@@ -120,7 +120,7 @@ impl PipelineBuilder<'_> {
             name: self.desc.name,
             vertex,
             fragment: Some(fragment),
-            constants,
+            constants: constants.into(),
             input,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             additive: false,
