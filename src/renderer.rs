@@ -65,7 +65,7 @@ pub struct Rendered {
     pub passes: Vec<PassTime>,
     /// Every submission.
     pub submissions: Vec<Span>,
-    /// Stages on the CPU: name, begin since the start, and length, in milliseconds.
+    /// Stages on the CPU, on the same clock as the passes ([`Device::opened`]).
     pub stages: Vec<(String, Span)>,
     /// Device memory.
     pub memory: MemoryUse,
@@ -86,7 +86,7 @@ pub fn render(
     settings: &Settings,
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
-    let (mut clock, mut settings, mut instead) = (Clock::new(), settings.clone(), None);
+    let (mut clock, mut settings, mut instead) = (Clock::new(device), settings.clone(), None);
     loop {
         match render_as_set(device, scene, camera, &settings, &mut clock, on_progress) {
             Err(RenderError::Vulkan(VulkanError::LoopsEnded { shared: false })) => {
@@ -284,7 +284,7 @@ fn build_lights<'a>(
     sets.into_iter().filter_map(new).collect()
 }
 
-/// Splits the time since it was made into named stages.
+/// Splits the time since it was made into named stages, on the clock of the device.
 struct Clock {
     started: Instant,
     last_ms: f64,
@@ -292,8 +292,9 @@ struct Clock {
 }
 
 impl Clock {
-    fn new() -> Self {
-        Self { started: Instant::now(), last_ms: 0.0, stages: Vec::new() }
+    fn new(device: &Device) -> Self {
+        let started = device.opened;
+        Self { started, last_ms: started.elapsed().as_secs_f64() * 1e3, stages: Vec::new() }
     }
 
     fn lap(&mut self, name: &str) {

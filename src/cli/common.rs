@@ -1,8 +1,8 @@
 //! Flags that several subcommands share, and their checks.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
-use hemicube::scene::{self, Background, Camera, Scene};
+use hemicube::scene::{self, Background, Camera, Options, Pose, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -33,14 +33,36 @@ pub struct SceneArgs {
     /// Camera by name or index; default: the file's first, or one that frames the scene
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Scene")]
     pub camera: Option<String>,
+    /// Show the file's animation at this moment, -1e6 to 1e6 s; default: the rest pose, or 0 with --animation
+    #[arg(long = "time", alias = "scene-time", value_name = "SECONDS", allow_negative_numbers = true,
+        value_parser = moment, help_heading = "Scene")]
+    pub scene_time: Option<f64>,
+    /// Animation by name or index; default with --time: the file's first
+    #[arg(long, value_name = "NAME|INDEX", help_heading = "Scene")]
+    pub animation: Option<String>,
+}
+
+/// A moment of an animation, in seconds.
+fn moment(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.abs() <= 1e6 => Ok(seconds),
+        Ok(_) => Err("a moment of an animation lies within -1e6 to 1e6 seconds".into()),
+        Err(_) => Err("not a number of seconds".into()),
+    }
 }
 
 impl SceneArgs {
     /// Loads the scene and its background.
     pub fn load(&self) -> Result<Scene> {
         let mut scene = match &self.scene {
-            Some(path) => scene::load(path)?,
-            None => scene::cornell(),
+            Some(path) => scene::load_with(path, Options { pose: self.pose(), ..Options::default() })?,
+            None => {
+                ensure!(
+                    self.pose().is_rest(),
+                    "the built-in scene has no animations; leave --time and --animation out"
+                );
+                scene::cornell()
+            }
         };
         if let Some(background) = &self.background {
             let (degrees, strength) = (self.background_rotation, self.background_strength);
@@ -50,6 +72,10 @@ impl SceneArgs {
             scene.background = Background::parse_noting(background, &mut scene.notes)?.adjusted(degrees, strength);
         }
         Ok(scene)
+    }
+
+    fn pose(&self) -> Pose {
+        Pose { animation: self.animation.clone(), seconds: self.scene_time }
     }
 
     /// The camera asked for, and a note where one had to be made up.

@@ -52,7 +52,7 @@ pub struct Texel {
     pub solid_angle: f64,
     /// ∫ ω dω over the directions that it stands for.
     pub flux: DVec3,
-    /// 1/distance = `forward` × depth / near distance.
+    /// Cosine between its direction and the axis of its face: 1/distance is this times 1/(distance along the axis).
     pub forward: f64,
 }
 

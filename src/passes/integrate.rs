@@ -222,7 +222,6 @@ fn scene_bindings<'a>(geometry: &'a Geometry, by: &CapturedBy<'a>, sky: Option<&
         Binding::Storage(&geometry.first_cell),
         Binding::Storage(&geometry.cell_radiance),
         Binding::Texels(identity),
-        Binding::Texels(&capture.depth),
         Binding::Storage(sky.unwrap_or(positions)),
         Binding::Storage(neighbours.unwrap_or(positions)),
     ]
@@ -233,7 +232,7 @@ fn tables(table: &Table, summed: bool, gradients: Gradients) -> (Vec<Texel>, Vec
     let texel = |t: &capture::Texel| {
         let (d, turn) = (t.direction.as_vec3(), t.turn().as_vec3());
         let place = f32::from_bits(t.layer << 16 | t.y << 8 | t.x);
-        Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, t.forward as f32] }
+        Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, 0.0] }
     };
     let edge = |e: &capture::Edge, [i, j]: [u32; 2]| Edge {
         step: [e.step.x as f32, e.step.y as f32, f32::from_bits(i), f32::from_bits(j)],

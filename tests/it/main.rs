@@ -16,6 +16,7 @@ mod compare;
 mod contrast;
 mod convergence;
 mod determinism;
+mod device;
 mod export;
 mod gltf_conformance;
 mod hidden;

@@ -64,7 +64,7 @@ pub fn job(args: &ReferenceArgs) -> Result<Job> {
 
 fn load(args: &ReferenceArgs) -> Result<Job> {
     let scene = args.scene.load()?;
-    let (camera, note) = scene.camera(args.scene.camera.as_deref())?;
+    let (camera, note) = args.scene.camera(&scene)?;
     if !args.quiet {
         scene.notes.iter().chain(&note).for_each(|note| remark!("note: {note}"));
     }

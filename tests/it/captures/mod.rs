@@ -4,6 +4,7 @@ mod closed_forms;
 mod fallbacks;
 mod masks;
 mod outlines;
+mod sides;
 mod workgroups;
 
 use crate::common::gpu;
