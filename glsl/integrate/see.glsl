@@ -45,7 +45,7 @@ void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
     vec3 direction = to_world(frame, texel_value(2 * i + 1).xyz);
     vec4 plane = vec4(vec3(0.0), tagged(0));
     uint number = look(tile, floatBitsToUint(texel_value(2 * i).w), frame.origin.xyz, direction);
-    bool above = dot(direction, frame.horizon.xyz) > 0.0;
+    bool above = is_above(frame, direction);
     seen = vec4(0.0);
     beyond = vec3(0.0);
     if (number != 0 && above) {

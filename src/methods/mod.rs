@@ -8,12 +8,14 @@ pub mod captures;
 pub mod casters;
 pub mod direct;
 pub mod emitter_samples;
+pub mod gather;
 pub mod irradiance_cache;
 pub mod light_samples;
 pub mod light_set;
 pub mod probes;
 pub mod rates;
 mod sky;
+pub mod sphere_probes;
 pub mod work;
 
 pub use sky::{Sky, has_suns, sky_bytes};

@@ -258,7 +258,8 @@ impl<'a> Probes<'a> {
     }
 }
 
-fn light_surfaces(
+/// Lights the surface cells directly, each reflecting to both sides what reaches them.
+pub(super) fn light_surfaces(
     device: &Arc<Device>,
     recorder: &mut Recorder,
     ground: &Ground<'_>,

@@ -2,6 +2,7 @@
 
 mod closed_forms;
 mod fallbacks;
+mod harmonics;
 mod masks;
 mod outlines;
 mod sides;
