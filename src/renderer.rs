@@ -19,6 +19,7 @@ use crate::methods::direct::DirectLight;
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::methods::light_samples::{TooManyLights, light_sets};
 use crate::methods::light_set::{Extent, LightSet};
+use crate::methods::records::Records;
 use crate::methods::{Ground, upload_sky};
 use crate::passes::gbuffer::{GBuffer, Targets};
 use crate::passes::geometry::Geometry;
@@ -190,8 +191,10 @@ fn render_as_set(
     let counts_records = settings.planes.contains(&Plane::Records);
     let features =
         Features { sky: sky.as_ref(), in_compute: plan.compute, counts_records, counts_work: settings.counts_work };
-    let new_cache = || IrradianceCache::new(device, &ground, &gbuffer.targets, features, settings.cache);
-    let cache = plan.captures.then(new_cache).transpose()?;
+    let new_store = || Records::new(device, settings.cache.kept(sky.is_some()));
+    let mut store = plan.captures.then(new_store).transpose()?;
+    let new_cache = |store| IrradianceCache::new(device, &ground, &gbuffer.targets, store, features, settings.cache);
+    let cache = store.as_ref().map(new_cache).transpose()?;
     // The image.
     let inputs = Inputs {
         gbuffer: &gbuffer.targets,
@@ -225,10 +228,10 @@ fn render_as_set(
             on_progress("direct light", lit, total);
         })?;
     }
-    let cache_stats = match &cache {
-        Some(cache) => {
+    let cache_stats = match cache.as_ref().zip(store.as_mut()) {
+        Some((cache, store)) => {
             let viewpoint = view.viewpoint(&settings.cache, geometry.radius);
-            cache.run(&mut recorder, &ground, &viewpoint, |_, share| {
+            cache.run(&mut recorder, &ground, (&gbuffer.targets, &viewpoint), store, |_, share| {
                 on_progress("records", (share * 1000.0) as u64, 1000);
             })?
         }

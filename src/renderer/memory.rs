@@ -76,12 +76,12 @@ pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &P
 }
 
 /// Bytes of a pixel in what has the image's size: position, normals, albedo, depth and emission, direct light, sums of splats,
-/// the neighbours that clamp them, the layers and their read-back.
+/// what earlier views have settled, the layers and their read-back.
 fn pixel(plan: &Plan, settings: &Settings) -> u64 {
     let layers: u64 = settings.planes.iter().map(|plane| u64::from(plane.channels())).sum();
     let runs = |part: &str| u64::from(plan.run.contains(&part));
     let sums = runs("splat") + runs("sky") + (runs("contrast") | runs("record counts"));
-    36 + 16 * (runs("emission") + u64::from(plan.lights) + sums) + 8 * runs("clamp_records") + 8 * layers
+    36 + 16 * (runs("emission") + u64::from(plan.lights) + sums) + 4 * runs("contrast") + 8 * layers
 }
 
 /// Checks that what `plan` makes of `scene` fits, its surface of that `size`.

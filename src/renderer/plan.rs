@@ -106,7 +106,9 @@ impl Plan {
         }
         plan.part("integrate", plan.captures, why);
         let clamped = if cache.clamped { why } else { "neighbours are not asked to clamp each other" };
-        plan.part("clamp_records", plan.captures && cache.clamped, clamped);
+        plan.part("keep_records", plan.captures, why);
+        plan.part("index_records", plan.captures && cache.clamped, clamped);
+        plan.part("clamp_records", plan.captures, why);
         plan.part("splat", plan.captures, why);
         let disputed = if cache.contrast > 0.0 { why } else { "records may disagree by anything (--contrast 0)" };
         plan.part("contrast", plan.captures && cache.contrast > 0.0, disputed);
