@@ -20,7 +20,7 @@ use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
 use crate::methods::light_samples::{TooManyLights, light_sets};
 use crate::methods::light_set::{Extent, LightSet};
 use crate::methods::records::Records;
-use crate::methods::{Ground, upload_sky};
+use crate::methods::{Ground, Sky};
 use crate::passes::gbuffer::{GBuffer, Targets};
 use crate::passes::geometry::Geometry;
 use crate::passes::material::Textures;
@@ -66,7 +66,7 @@ pub struct Rendered {
     pub passes: Vec<PassTime>,
     /// Every submission.
     pub submissions: Vec<Span>,
-    /// Stages on the CPU: name, begin since the start, and length, in milliseconds.
+    /// Stages on the CPU, on the same clock as the passes ([`Device::opened`]).
     pub stages: Vec<(String, Span)>,
     /// Device memory.
     pub memory: MemoryUse,
@@ -87,9 +87,25 @@ pub fn render(
     settings: &Settings,
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
-    let (mut clock, mut settings, mut instead) = (Clock::new(), settings.clone(), None);
+    render_with(device, scene, camera, settings, &mut None, on_progress)
+}
+
+/// Renders `scene` from `camera` with the records that `kept` holds from earlier views of the same scene under the same settings of the
+/// cache, and keeps those that it adds. None are kept where the frame fails.
+///
+/// # Errors
+/// The same as [`render`].
+pub fn render_with(
+    device: &Arc<Device>,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    kept: &mut Option<Records>,
+    on_progress: OnProgress<'_>,
+) -> Result<Rendered, RenderError> {
+    let (mut clock, mut settings, mut instead) = (Clock::new(device), settings.clone(), None);
     loop {
-        match render_as_set(device, scene, camera, &settings, &mut clock, on_progress) {
+        match render_as_set(device, scene, camera, &settings, (kept, &mut clock), on_progress) {
             Err(RenderError::Vulkan(VulkanError::LoopsEnded { shared: false })) => {
                 instead = Some(Instead::Workgroups);
                 settings.cache.share_views = true;
@@ -102,8 +118,13 @@ pub fn render(
                 instead = Some(Instead::TooLarge(error));
                 settings.cache.capture = CaptureMode::Hemicube;
             }
-            rendered => return rendered.map(|rendered| rendered.drawn(instead)),
+            Err(error) => {
+                *kept = None;
+                return Err(error);
+            }
+            Ok(rendered) => return Ok(rendered.drawn(instead)),
         }
+        *kept = None;
         clock.lap("captures in compute, given up");
     }
 }
@@ -145,7 +166,7 @@ fn render_as_set(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
-    clock: &mut Clock,
+    (kept, clock): (&mut Option<Records>, &mut Clock),
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
     settings.check(device)?;
@@ -168,7 +189,7 @@ fn render_as_set(
     let textures = Textures::new(device, scene)?;
     let textures = textures.as_ref();
     let geometry = Geometry::of(device, scene, arrangement)?;
-    let sky = plan.sky.then(|| upload_sky(device, &scene.background)).transpose()?;
+    let sky = plan.sky.then(|| Sky::new(device, &scene.background, true)).transpose()?;
     clock.lap("upload scene");
 
     // What is seen.
@@ -189,18 +210,25 @@ fn render_as_set(
     let lights = build_lights(device, sets, &ground, coarse.as_ref(), pixels, cells)?;
     // What it reflects.
     let counts_records = settings.planes.contains(&Plane::Records);
-    let features =
-        Features { sky: sky.as_ref(), in_compute: plan.compute, counts_records, counts_work: settings.counts_work };
-    let new_store = || Records::new(device, settings.cache.kept(sky.is_some()));
-    let mut store = plan.captures.then(new_store).transpose()?;
-    let new_cache = |store| IrradianceCache::new(device, &ground, &gbuffer.targets, store, features, settings.cache);
-    let cache = store.as_ref().map(new_cache).transpose()?;
+    let features = Features {
+        sky: sky.as_ref().map(Sky::captured),
+        in_compute: plan.compute,
+        counts_records,
+        counts_work: settings.counts_work,
+    };
+    if plan.captures && kept.as_ref().is_none_or(|store| store.shape() != settings.cache.kept(sky.is_some())) {
+        *kept = Some(Records::new(device, settings.cache.kept(sky.is_some()))?);
+    }
+    let store = kept.as_mut().filter(|_| plan.captures);
+    let new_cache =
+        |store: &Records| IrradianceCache::new(device, &ground, &gbuffer.targets, store, features, settings.cache);
+    let cache = store.as_deref().map(new_cache).transpose()?;
     // The image.
     let inputs = Inputs {
         gbuffer: &gbuffer.targets,
         sums: cache.as_ref().map(|cache| &cache.splat.sums),
         direct: direct.as_ref(),
-        sky: sky.as_ref(),
+        sky: sky.as_ref().map(Sky::seen),
     };
     let resolve = Resolve::new(device, &inputs, &settings.planes)?;
     clock.lap("build passes");
@@ -228,7 +256,7 @@ fn render_as_set(
             on_progress("direct light", lit, total);
         })?;
     }
-    let cache_stats = match cache.as_ref().zip(store.as_mut()) {
+    let cache_stats = match cache.as_ref().zip(store) {
         Some((cache, store)) => {
             let viewpoint = view.viewpoint(&settings.cache, geometry.radius);
             cache.run(&mut recorder, &ground, (&gbuffer.targets, &viewpoint), store, |_, share| {
@@ -254,7 +282,7 @@ fn render_as_set(
     Ok(Rendered {
         picture,
         plan,
-        warnings: warning.into_iter().collect(),
+        warnings: warning.into_iter().chain(sky.and_then(|sky| sky.note)).collect(),
         cache: cache_stats,
         passes: recorder.passes,
         submissions: recorder.submissions,
@@ -283,7 +311,7 @@ fn build_lights<'a>(
     sets.into_iter().filter_map(new).collect()
 }
 
-/// Splits the time since it was made into named stages.
+/// Splits the time since it was made into named stages, on the clock of the device.
 struct Clock {
     started: Instant,
     last_ms: f64,
@@ -291,8 +319,9 @@ struct Clock {
 }
 
 impl Clock {
-    fn new() -> Self {
-        Self { started: Instant::now(), last_ms: 0.0, stages: Vec::new() }
+    fn new(device: &Device) -> Self {
+        let started = device.opened;
+        Self { started, last_ms: started.elapsed().as_secs_f64() * 1e3, stages: Vec::new() }
     }
 
     fn lap(&mut self, name: &str) {

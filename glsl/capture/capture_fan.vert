@@ -22,7 +22,7 @@ void main() {
     uint number = gl_VertexIndex / (3 * FAN);
     uvec3 corners = corners_of(number);
     mat3 p = mat3(position_of(corners.x), position_of(corners.y), position_of(corners.z));
-    triangle = number | front_bit(p, frame.origin.xyz);
+    triangle = number;
     vec4 a = project(VIEWS, gl_ViewIndex, frame, p[0]), b = project(VIEWS, gl_ViewIndex, frame, p[1]),
          c = project(VIEWS, gl_ViewIndex, frame, p[2]);
     vec3 weights = fan_corner(a, b, c, gl_VertexIndex % (3 * FAN));

@@ -6,8 +6,6 @@
 #include "inc/material_textures.glsl"
 #include "inc/surface.glsl"
 
-layout(constant_id = 10) const uint AS_FANS = 0;  // the vertices tell the side
-
 layout(push_constant) uniform Push { uint frame; uint material; } push;
 #ifdef TEXTURED
 layout(location = 0) in vec4 uvs;
@@ -25,6 +23,6 @@ void main() {
     Surface s = surface_at(material, uvs.xy, uvs.zw, vec4(1.0, 1.0, 1.0, alpha), vec3(0.0, 0.0, 1.0), vec4(0.0));
     if (s.albedo.a < material.alpha.x) discard;
 #ifdef IDENTITY
-    identity = (triangle + 1) | (AS_FANS != 0 || gl_FrontFacing ? 0 : 0x80000000u);
+    identity = triangle + 1;
 #endif
 }

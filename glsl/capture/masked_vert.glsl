@@ -50,7 +50,7 @@ void main() {
         position = p * weights;
         gl_Position = fan_position(a, b, c, weights);
         vec3 alphas = vec3(color_of(of.x).a, color_of(of.y).a, color_of(of.z).a);
-        write_attributes(number | front_bit(p, frame.origin.xyz), mat3x4(uvs_of(of.x), uvs_of(of.y), uvs_of(of.z)) * weights, dot(alphas, weights));
+        write_attributes(number, mat3x4(uvs_of(of.x), uvs_of(of.y), uvs_of(of.z)) * weights, dot(alphas, weights));
     } else {
         uint vertex = indices[gl_VertexIndex];
         position = position_of(vertex);

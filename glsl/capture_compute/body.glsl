@@ -1,5 +1,5 @@
 // Views of a record rasterised in shared memory, after micro-rendering (Ritschel et al. 2009): no image is written, only
-// the light that each texel sees, or, with SUMMING, the integrals over them. A view is a hemicube's face, or the hemisphere projected onto the disc below it. One
+// the light that each texel sees, or, with SUMMING, the integrals over them. A view is a face of a hemicube or cube, or the hemisphere projected onto the disc below it. One
 // workgroup a (record, view) walks the tree of the scene's triangles and draws those that the view sees, an invocation
 // each. Triangles are tested by the texels' directions, in homogeneous coordinates (Olano and Greer 1997): what crosses the
 // face's plane needs no clipping, and no projection bends a side.
@@ -19,6 +19,8 @@ layout(constant_id = 7) const uint COUNTS = 0;  // triangles that are drawn
 layout(constant_id = 8) const uint MAY_END = 0;  // the device may end loops
 layout(constant_id = 9) const uint HAS_SLICES = 0;  // for what is far
 layout(constant_id = 10) const uint HAS_OUTLINES = 0;  // followed over the triangles' edges
+layout(constant_id = 11) const uint VIEW_COUNT = 5;
+layout(constant_id = 12) const uint SIDE_ROWS = 16;  // rows of texels of every view but the first
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1) uniform textureBuffer octets;  // boxes of triangles: low, high
@@ -67,7 +69,7 @@ shared uint keys[SIZE * SIZE];
 // The range of depths that are told apart.
 struct Depths { float nearest, steps; };  // steps to a unit of a float's bits
 
-// A face of a record's hemicube, or its disc, which looks as the first face does.
+// A face of a record's hemicube or cube, or its disc, which looks as the first face does.
 struct View { uint face; mat3 axes; Frame frame; Depths depths; };
 // Corners, in face coordinates; of its alpha mask cells along a side, 0 without one, and the first texel.
 struct Triangle { vec3 a, b, c; uvec2 mask; };
@@ -193,7 +195,7 @@ void draw(View view, uint texels, uint first) {
 void clear(View view, uint texels) {
     for (uint i = gl_LocalInvocationID.x; i < texels; i += THREADS) {
         Spot spot = spot_of(i);
-        bool above = dot(spot.way * view.axes, view.frame.horizon.xyz) > 0.0;
+        bool above = is_above(view.frame, spot.way * view.axes);
         // Below the horizon nothing is nearer than the nothing that is there already.
         keys[spot.key] = above ? NOTHING : BELOW;
     }
@@ -208,11 +210,11 @@ void tell_ended() {
 }
 
 void main() {
-    uint views = IS_DISC != 0 ? 1 : 5, record = gl_WorkGroupID.x / views, face = gl_WorkGroupID.x % views;
+    uint record = gl_WorkGroupID.x / VIEW_COUNT, face = gl_WorkGroupID.x % VIEW_COUNT;
     Frame frame = frames[record];
     View view = View(face, world_axes(face, frame), frame, depths_from(frame.origin.xyz));
     uint texels = IS_DISC != 0 ? push.texel_count : SIZE * rows(face);
-    uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * SIZE + (face - 1) * (SIZE * SIZE / 2));
+    uint first = record * push.texel_count + (face == 0 ? 0 : SIZE * (SIZE + (face - 1) * SIDE_ROWS));
     clear(view, texels);
     meet();
     draw(view, texels, first);

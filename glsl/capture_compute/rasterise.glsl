@@ -4,8 +4,8 @@ struct Texels { vec2 low, high; };  // whole numbers, both ends included; none w
 
 bool is_empty(Texels texels) { return any(greaterThan(texels.low, texels.high)); }
 
-// The face's own rows: above the horizon on the sides.
-uint rows(uint face) { return face == 0 ? SIZE : SIZE / 2; }
+// The face's own rows: of a hemicube's sides those above the horizon.
+uint rows(uint face) { return face == 0 ? SIZE : SIDE_ROWS; }
 
 Texels whole(uint face) { return Texels(vec2(0.0), vec2(SIZE, rows(face)) - 1.0); }
 
@@ -20,7 +20,7 @@ Texels texels_within(uint face, vec2 least, vec2 most) {
 // Whether texels of a face may see a box from the frame's origin. Face coordinates.
 bool sees_on_face(uint face, vec3 low, vec3 high) {
     bool ahead = high.z > 0.0 && low.x <= high.z && -high.x <= high.z && low.y <= high.z
-        && -high.y <= (face == 0 ? high.z : 0.0);
+        && -high.y <= (rows(face) == SIZE ? high.z : 0.0);
     // Bounds of the box's image, where it lies ahead as a whole: on a face of width 2.
     vec2 inverse = 1.0 / vec2(low.z, high.z);
     vec2 least = low.xy * mix(inverse.yy, inverse.xx, lessThan(low.xy, vec2(0.0)));

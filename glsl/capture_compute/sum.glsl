@@ -5,7 +5,7 @@
 #include "inc/sums.glsl"
 
 layout(set = 0, binding = 4) uniform textureBuffer cell_radiance;  // two floats a texel, three a cell: to front and back
-layout(set = 0, binding = 13, std430) buffer Distances { uint inverse_distances[]; };  // of each texel, bits
+layout(set = 0, binding = 13, std430) coherent buffer Distances { uint inverse_distances[]; };  // of each texel, bits
 layout(set = 0, binding = 14, std430) writeonly buffer Sums { float sums[]; };
 
 vec3 cell_light(uint cell, bool front) {
@@ -110,6 +110,7 @@ void tell(View view, uint texels, uint first) {
     Seen above[LONGEST_ROW] = Seen[LONGEST_ROW](nothing, nothing, nothing, nothing, nothing, nothing, nothing, nothing);
     uint me = gl_LocalInvocationID.x, record = first / push.texel_count, base = first % push.texel_count;
     if (HAS_TRANSLATION != 0) leave_at_border(view, first, record);
+    meet();  // the triangles' numbers that it has read are overwritten from here on
     for (uint i = me; i < texels; i += THREADS) {
         uint key = keys[i];
         vec3 way = spot_of(i).way;

@@ -4,7 +4,9 @@
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_GOOGLE_include_directive : require
-layout(local_size_x = 256) in;
+#include "inc/invocation.glsl"
+const uint GROUP = 128;  // every device runs as many (maxComputeWorkGroupInvocations)
+layout(local_size_x = GROUP) in;
 layout(constant_id = 0) const uint PHASE = 0;  // 0 count, 1 sum, 2 write, 3 mark
 layout(constant_id = 1) const uint HAS_CONTRAST = 0;
 
@@ -16,14 +18,14 @@ layout(set = 0, binding = 4) uniform texture2D tally;  // of the splats
 layout(set = 0, binding = 5, std430) buffer Settled { uint settled[]; };  // of each pixel: earlier views' records cover it
 layout(push_constant) uniform Push { uvec2 size; uvec2 offset; uvec2 lattice; uint stride; float covered; float contrast; } push;
 
-shared uint sums[256];
+shared uint sums[GROUP];
 
 // Inclusive prefix sum over the workgroup (Hillis and Steele 1986).
 uint prefix_sum(uint value) {
     uint me = gl_LocalInvocationID.x;
     sums[me] = value;
     barrier();
-    for (uint step = 1; step < 256; step *= 2) {
+    for (uint step = 1; step < GROUP; step *= 2) {
         uint add = me >= step ? sums[me - step] : 0;
         barrier();
         sums[me] += add;
@@ -33,14 +35,14 @@ uint prefix_sum(uint value) {
 }
 
 void sum_groups() {
-    uint total = (push.lattice.x * push.lattice.y + 255) / 256;
+    uint total = (push.lattice.x * push.lattice.y + GROUP - 1) / GROUP;
     uint base = 0;
-    for (uint start = 0; start < total; start += 256) {
+    for (uint start = 0; start < total; start += GROUP) {
         uint at = start + gl_LocalInvocationID.x;
         uint value = at < total ? groups[at] : 0;
         uint inclusive = prefix_sum(value);
         if (at < total) groups[at] = base + inclusive - value;
-        base += sums[255];
+        base += sums[GROUP - 1];
         barrier();
     }
     if (gl_LocalInvocationID.x == 0) found_count = base;
@@ -58,7 +60,8 @@ void main() {
         sum_groups();
         return;
     }
-    uint at = gl_GlobalInvocationID.x;
+    uint at = invocation();
+    uint group = at / GROUP;
     uvec2 pixel = push.offset + push.stride * uvec2(at % push.lattice.x, at / push.lattice.x);
     bool inside = at < push.lattice.x * push.lattice.y && all(lessThan(pixel, push.size));
     bool open = inside && texelFetch(gbuffer_position, ivec2(pixel), 0).w == 1.0;
@@ -73,8 +76,8 @@ void main() {
     if (PHASE == 3) return;
     uint inclusive = prefix_sum(open ? 1 : 0);
     if (PHASE == 0) {
-        if (gl_LocalInvocationID.x == 255) groups[gl_WorkGroupID.x] = inclusive;
+        if (gl_LocalInvocationID.x == GROUP - 1) groups[group] = inclusive;
     } else if (open) {
-        pixels[groups[gl_WorkGroupID.x] + inclusive - 1] = pixel.y * push.size.x + pixel.x;
+        pixels[groups[group] + inclusive - 1] = pixel.y * push.size.x + pixel.x;
     }
 }

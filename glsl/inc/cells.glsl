@@ -12,6 +12,13 @@ vec2 barycentrics(vec3 a, vec3 e1, vec3 e2, vec3 direction) {
     return -vec2(dot(a, h), dot(direction, q)) / dot(e1, h);
 }
 
+// (u, v) of a point of the triangle: that of a direction which passes beside it, as the rounding of a rasteriser lets it, is
+// moved onto it; where the triangle is seen edge-on it may be any of its points.
+vec2 within(vec2 uv) {
+    uv = min(mix(vec2(0.0), uv, greaterThan(uv, vec2(0.0))), 1.0);
+    return uv / max(1.0, uv.x + uv.y);
+}
+
 // Its plane: along any unit direction the dot product is 1/distance from the origin.
 vec3 inverse_plane(vec3 a, vec3 e1, vec3 e2) {
     vec3 n = cross(e1, e2);

@@ -31,11 +31,6 @@ vec3 fan_corner(vec4 a, vec4 b, vec4 c, uint corner) {
     return outline[corner % 3 == 0 ? 0 : last - 2 + corner % 3];
 }
 
-// Bit 31 where a triangle shows its front to the eye: exactly, whatever rounding makes of a fan's winding.
-uint front_bit(mat3 corners, vec3 eye) {
-    return dot(cross(corners[1] - corners[0], corners[2] - corners[0]), eye - corners[0]) > 0.0 ? 0x80000000u : 0;
-}
-
 // Its clip-space position; that of a corner that there is not is the same for all three of a triangle.
 vec4 fan_position(vec4 a, vec4 b, vec4 c, vec3 weights) {
     if (weights == vec3(0.0)) return vec4(0.0, 0.0, 0.0, 1.0);

@@ -96,7 +96,7 @@ uint shadow_at(uint tile, vec3 p, vec3 n, bool has_own) {
     return lit ? LIT : all(clearly_before(s, stored, plane)) ? DARK : CLOSE;
 }
 
-uint identity_at(ivec3 texel) { return (texelFetch(shadow_identity, texel, 0).x & 0x7fffffffu) - 1; }
+uint identity_at(ivec3 texel) { return texelFetch(shadow_identity, texel, 0).x - 1; }
 
 // Six times the volumes that the ray from the origin along `d` spans with the edges of a triangle. Two triangles that
 // share an edge have exactly opposite volumes there, so that no ray passes between them (Woop, Benthin and Wald 2013).

@@ -36,6 +36,11 @@ float above_horizon(uint views, Frame frame, vec3 p) {
     return dot(frame.horizon.xyz, p) + frame.horizon.w;
 }
 
+// Whether a direction leads above the frame's horizon; a frame without one sees all directions.
+bool is_above(Frame frame, vec3 direction) {
+    return frame.horizon.xyz == vec3(0.0) || dot(direction, frame.horizon.xyz) > 0.0;
+}
+
 // Clip-space position. Reversed depth: near/forward, so that single precision keeps its relative accuracy at any range.
 vec4 project(uint views, uint view, Frame frame, vec3 p) {
     vec3 l = to_local(frame, p - frame.origin.xyz);

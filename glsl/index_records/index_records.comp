@@ -5,7 +5,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shared/types.glsl"
 #include "inc/index.glsl"
-const uint THREADS = 256, CELLS = 1u << 15, AXIS_BITS = 5;
+#include "inc/invocation.glsl"
+const uint THREADS = 128, CELLS = 1u << 15, AXIS_BITS = 5;
 layout(local_size_x = THREADS) in;
 layout(constant_id = 0) const uint PHASE = 0;  // 0 bounds, 1 count, 2 sum, 3 sort, 4 group
 
@@ -80,7 +81,7 @@ void bound_group(uint group) {
 }
 
 void main() {
-    uint at = gl_GlobalInvocationID.x;
+    uint at = invocation();
     if (PHASE == 0) bound_all();
     if (PHASE == 1 && at < push.count) atomicAdd(firsts[cell_of(entries[at].place.xyz)], 1);
     if (PHASE == 2) sum_cells();

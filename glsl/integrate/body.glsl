@@ -34,7 +34,7 @@ vec4 gathered_value(uint at) { return texelFetch(gathered, int(at)); }
 #else
 layout(set = 0, binding = 3, std430) readonly buffer Texels { vec4 texels[]; };
 layout(set = 0, binding = 4, std430) readonly buffer Edges { vec4 edges[]; };
-layout(set = 0, binding = 5, std430) buffer Gathered { vec4 gathered[]; };
+layout(set = 0, binding = 5, std430) coherent buffer Gathered { vec4 gathered[]; };  // shared by a workgroup
 vec4 texel_value(uint at) { return texels[at]; }
 vec4 edge_value(uint at) { return edges[at]; }
 vec4 gathered_value(uint at) { return gathered[at]; }

@@ -9,7 +9,7 @@ layout(set = 0, binding = 9, std430) readonly buffer CellRadiance { float cell_r
 #include "inc/cells.glsl"
 #include "inc/cell_light.glsl"
 #else
-layout(set = 1, binding = 7, std430) readonly buffer Across { uint across[]; };  // the same
+layout(set = 1, binding = 6, std430) readonly buffer Across { uint across[]; };  // the same
 #endif
 #include "inc/outlines.glsl"
 

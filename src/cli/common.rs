@@ -1,8 +1,8 @@
 //! Flags that several subcommands share, and their checks.
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use clap::Args;
-use hemicube::scene::{self, Background, Camera, Scene};
+use hemicube::scene::{self, Background, Camera, Options, Pose, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,25 +12,70 @@ use std::sync::Arc;
 pub struct SceneArgs {
     /// Scene to load, .gltf or .glb; without it the built-in Cornell box
     pub scene: Option<PathBuf>,
-    /// Radiance from outside the scene: R,G,B (W·sr⁻¹·m⁻²) or an equirectangular .exr
-    #[arg(long, value_name = "R,G,B|FILE.exr", help_heading = "Scene")]
+    /// Radiance from outside the scene: R,G,B (W·sr⁻¹·m⁻²) or an equirectangular map, .exr (FILE.exr#LAYER for one layer of
+    /// several) or Radiance .hdr. The map's first row is at +Y, its middle is seen along -Z, its right half towards +X
+    #[arg(long, value_name = "R,G,B|FILE", help_heading = "Scene")]
     pub background: Option<String>,
+    /// Turns the background about +Y by so many degrees, counter-clockwise seen from above. Example: -90 shows the map's
+    /// middle along +X, as three.js and Blender do
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        hide_default_value = true,
+        allow_negative_numbers = true,
+        help_heading = "Scene"
+    )]
+    pub background_rotation: f32,
+    /// Factor of the background's radiance
+    #[arg(long, value_name = "S", default_value_t = 1.0, hide_default_value = true, help_heading = "Scene")]
+    pub background_strength: f32,
     /// Camera by name or index; default: the file's first, or one that frames the scene
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Scene")]
     pub camera: Option<String>,
+    /// Show the file's animation at this moment, -1e6 to 1e6 s; default: the rest pose, or 0 with --animation
+    #[arg(long = "time", alias = "scene-time", value_name = "SECONDS", allow_negative_numbers = true,
+        value_parser = moment, help_heading = "Scene")]
+    pub scene_time: Option<f64>,
+    /// Animation by name or index; default with --time: the file's first
+    #[arg(long, value_name = "NAME|INDEX", help_heading = "Scene")]
+    pub animation: Option<String>,
+}
+
+/// A moment of an animation, in seconds.
+fn moment(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.abs() <= 1e6 => Ok(seconds),
+        Ok(_) => Err("a moment of an animation lies within -1e6 to 1e6 seconds".into()),
+        Err(_) => Err("not a number of seconds".into()),
+    }
 }
 
 impl SceneArgs {
     /// Loads the scene and its background.
     pub fn load(&self) -> Result<Scene> {
         let mut scene = match &self.scene {
-            Some(path) => scene::load(path)?,
-            None => scene::cornell(),
+            Some(path) => scene::load_with(path, Options { pose: self.pose(), ..Options::default() })?,
+            None => {
+                ensure!(
+                    self.pose().is_rest(),
+                    "the built-in scene has no animations; leave --time and --animation out"
+                );
+                scene::cornell()
+            }
         };
         if let Some(background) = &self.background {
-            scene.background = Background::parse(background)?;
+            let (degrees, strength) = (self.background_rotation, self.background_strength);
+            anyhow::ensure!(degrees.is_finite(), "--background-rotation {degrees} is not finite");
+            let valid = strength.is_finite() && strength >= 0.0;
+            anyhow::ensure!(valid, "--background-strength {strength} is negative or not finite");
+            scene.background = Background::parse_noting(background, &mut scene.notes)?.adjusted(degrees, strength);
         }
         Ok(scene)
+    }
+
+    fn pose(&self) -> Pose {
+        Pose { animation: self.animation.clone(), seconds: self.scene_time }
     }
 
     /// The camera asked for, and a note where one had to be made up.

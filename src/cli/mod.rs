@@ -13,7 +13,7 @@ mod render;
 pub mod say;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 
 /// Global illumination by rasterisation alone: irradiance-cache splatting on Vulkan.
@@ -34,6 +34,15 @@ enum Command {
     Reference(Box<reference::ReferenceArgs>),
 }
 
+/// The arguments of this run; wrong ones end it with exit code 2.
+pub fn parse() -> Cli {
+    // There `--time` is how long to work.
+    let reference =
+        |command: clap::Command| command.mut_arg("scene_time", |a| a.long("scene-time").alias(None::<&str>));
+    let matches = Cli::command().mut_subcommand("reference", reference).get_matches();
+    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+}
+
 /// Runs the chosen subcommand.
 pub fn run(cli: Cli) -> Result<ExitCode> {
     let code = match cli.command {
@@ -50,10 +59,36 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
 
 /// Exit code of a failed run: 3 where the device is at fault, 2 where the input is.
 pub fn exit_code(error: &anyhow::Error) -> ExitCode {
+    ExitCode::from(if error.chain().any(is_of_device) { 3 } else { 2 })
+}
+
+fn is_of_device(cause: &(dyn std::error::Error + 'static)) -> bool {
+    use hemicube::methods::probes::ProbeError;
+    use hemicube::renderer::{RenderError, TooLarge};
+    let by_render = |e: &RenderError| matches!(e, RenderError::Vulkan(_) | RenderError::Memory(_));
+    cause.downcast_ref().is_some_and(by_render)
+        || matches!(cause.downcast_ref(), Some(ProbeError::Vulkan(_)))
+        || cause.is::<TooLarge>()
+        || cause.is::<hemicube::vk::Error>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+    use hemicube::methods::probes::ProbeError;
     use hemicube::renderer::RenderError;
-    let device = match error.downcast_ref::<RenderError>() {
-        Some(error) => matches!(error, RenderError::Vulkan(_) | RenderError::Memory(_)),
-        None => error.is::<hemicube::vk::Error>(),
-    };
-    ExitCode::from(if device { 3 } else { 2 })
+
+    #[test]
+    fn every_error_of_a_device_has_the_exit_code_3() {
+        let lost = || hemicube::vk::Error::DeviceLost { content: "the pass \"splat\"".into() };
+        let code = |error: anyhow::Error| format!("{:?}", exit_code(&error));
+        let three = format!("{:?}", ExitCode::from(3));
+        assert_eq!(code(lost().into()), three);
+        assert_eq!(code(RenderError::from(lost()).into()), three);
+        assert_eq!(code(ProbeError::from(lost()).into()), three);
+        let wrapped = Err::<(), _>(ProbeError::from(lost())).context("measuring").map_err(anyhow::Error::from);
+        assert_eq!(code(wrapped.unwrap_err()), three);
+        assert_eq!(code(anyhow::anyhow!("no such file")), format!("{:?}", ExitCode::from(2)));
+    }
 }

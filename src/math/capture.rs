@@ -6,6 +6,7 @@
 //!
 //! Local frame: the normal is +z. Directions have unit length.
 
+mod basis;
 mod faces;
 mod hemicube;
 mod hemisphere;
@@ -14,6 +15,7 @@ mod polygons;
 #[cfg(test)]
 mod tests;
 
+pub use basis::{Basis, Coefficient, Weights};
 pub use faces::Faces;
 pub use hemicube::face_direction;
 pub use polygons::{polygon_flux, polygon_solid_angle};
@@ -35,6 +37,16 @@ pub enum Projection {
     },
     /// One view of the whole hemisphere, projected onto the disc below it (Nusselt 1928).
     Hemisphere,
+    /// Six faces at distance 1, without a horizon. The cosine has no meaning there: it takes a [`Basis`] of the whole sphere.
+    Cube,
+}
+
+/// The texels of a projection before anything is integrated over them.
+enum Shape {
+    /// Spherical polygons.
+    Polygons(polygons::Polygons),
+    /// Squares on the disc below the hemisphere.
+    Disc(hemisphere::Grid),
 }
 
 /// A texel of a capture.
@@ -52,7 +64,7 @@ pub struct Texel {
     pub solid_angle: f64,
     /// ∫ ω dω over the directions that it stands for.
     pub flux: DVec3,
-    /// 1/distance = `forward` × depth / near distance.
+    /// Cosine between its direction and the axis of its face: 1/distance is this times 1/(distance along the axis).
     pub forward: f64,
 }
 
@@ -127,11 +139,42 @@ impl Edge {
 impl Projection {
     /// The table of `size` texels a side; `size` is even.
     pub fn table(self, size: u32) -> Table {
+        match self.shape(size) {
+            Shape::Polygons(polygons) => polygons.table(),
+            Shape::Disc(grid) => grid.table(),
+        }
+    }
+
+    /// Whether nothing below a surface's plane is seen.
+    pub fn has_horizon(self) -> bool {
+        self != Self::Cube
+    }
+
+    fn shape(self, size: u32) -> Shape {
         assert!(size >= 2 && size.is_multiple_of(2), "a capture's size is even");
         match self {
-            Self::Hemicube => hemicube::table(size),
-            Self::Plane { half_width, compensated } => plane::table(size, half_width, compensated),
-            Self::Hemisphere => hemisphere::table(size),
+            Self::Hemicube => Shape::Polygons(hemicube::polygons(size)),
+            Self::Cube => Shape::Polygons(hemicube::whole_cube(size)),
+            Self::Plane { half_width, compensated } => Shape::Polygons(plane::polygons(size, half_width, compensated)),
+            Self::Hemisphere => Shape::Disc(hemisphere::Grid::new(size)),
+        }
+    }
+}
+
+impl Shape {
+    /// Gives the directions and solid angles of a rule over every texel, with the texel's number.
+    fn visit_texels(&self, visit: &mut dyn FnMut(usize, DVec3, f64)) {
+        match self {
+            Self::Polygons(polygons) => polygons.visit_texels(visit),
+            Self::Disc(grid) => grid.visit_texels(visit),
+        }
+    }
+
+    /// Gives the directions of a rule along every edge of `table`, this shape's own, with the edge's number and m dl.
+    fn visit_edges(&self, table: &Table, visit: &mut dyn FnMut(usize, DVec3, DVec3)) {
+        match self {
+            Self::Polygons(polygons) => polygons.visit_edges(&table.texels, visit),
+            Self::Disc(grid) => grid.visit_edges(visit),
         }
     }
 }

@@ -139,6 +139,24 @@ pub struct CaptureSettings {
     pub shared: bool,
 }
 
+/// How captures are made, by any projection.
+#[derive(Clone, Copy, Debug)]
+pub struct CapturesDesc {
+    /// How directions become texels.
+    pub projection: Projection,
+    /// What is seen as slices of voxels, if something is.
+    pub far: Option<Far>,
+    /// Texels a side.
+    pub size: u32,
+    /// Most that coarse triangles in compute may be wrong by, in texels.
+    pub lod_error: f32,
+    /// Whether whole workgroups share each view in compute.
+    pub shared: bool,
+    /// Whether the captures are integrated by the cosine ([`crate::passes::integrate`]): some do a part of that by themselves, and
+    /// do not keep what every texel sees then. [`crate::passes::project`] wants them to keep it.
+    pub may_sum: bool,
+}
+
 /// The captures of a batch of records.
 pub struct Captures {
     by: By,
@@ -177,14 +195,29 @@ impl Captures {
         drawn: Option<&Counter>,
     ) -> Result<Self> {
         let CaptureSettings { mode, size, lod_error, shared } = settings;
-        let (geometry, projection) = (ground.geometry, mode.projection());
+        let far = mode.far(ground.geometry.bounds);
+        let desc = CapturesDesc { projection: mode.projection(), far, size, lod_error, shared, may_sum: true };
+        Self::of(device, ground, in_compute, desc, (sky, planes), drawn)
+    }
+
+    /// The same by any projection.
+    pub fn of(
+        device: &Arc<Device>,
+        ground: &Ground<'_>,
+        in_compute: bool,
+        desc: CapturesDesc,
+        (sky, planes): (Option<&Buffer>, bool),
+        drawn: Option<&Counter>,
+    ) -> Result<Self> {
+        let CapturesDesc { projection, far, size, lod_error, shared, may_sum } = desc;
+        let geometry = ground.geometry;
         let views = views(projection);
         let capacity = batch_size(size, views);
         let kinds = Kinds { sky: sky.is_some(), planes };
         if in_compute {
             let tree = geometry.tree.as_ref().expect("geometry was made for captures in compute");
-            let far = mode.far(geometry.bounds);
             let looks = Looks::new(projection, size, lod_error).with_slices(far).shared_by_workgroups(shared);
+            let looks = if may_sum { looks } else { looks.without_sums() };
             let new_slices = |far: Far| Slices::new(device, (geometry, tree), far.grid);
             let slices = far.map(new_slices).transpose()?;
             let sums = CaptureCompute::sums(device, (geometry, tree), &looks);
@@ -196,7 +229,7 @@ impl Captures {
                 None => Gathered::viewed(device, texels * u64::from(capacity), kinds)?,
             };
             let on = (geometry, tree, slices.as_ref());
-            let follows = far.is_none() && pays_to_follow(geometry, projection, kinds, looks.texels());
+            let follows = may_sum && far.is_none() && pays_to_follow(geometry, projection, kinds, looks.texels());
             let across = || adjacency::neighbours(&geometry.triangles, &ground.scene.positions);
             let neighbours = follows.then(|| tree.neighbours(device, &across())).transpose()?;
             let capture = CaptureCompute::new(device, on, neighbours, (&gathered, sky), &looks, capacity, drawn)?;
@@ -223,7 +256,7 @@ impl Captures {
         let capacity = capture.desc.capacity;
         let texels = projection.table(size).texels.len() as u32;
         let gathered = Gathered::plain(device, u64::from(texels) * u64::from(capacity), kinds)?;
-        let follows = pays_to_follow(geometry, projection, kinds, texels);
+        let follows = may_sum && pays_to_follow(geometry, projection, kinds, texels);
         let neighbours = follows.then(|| geometry.neighbours(device, &ground.scene.positions)).transpose()?;
         let drawn_whole = if capture.is_culled() { 0 } else { geometry.triangle_count * views.count() };
         Ok(Self {
@@ -251,6 +284,14 @@ impl Captures {
         match self.projection {
             Projection::Plane { half_width, .. } => half_width.recip() as f32,
             _ => 1.0,
+        }
+    }
+
+    /// The render passes that capture, if some do.
+    pub fn by_render(&self) -> Option<&Capture> {
+        match &self.by {
+            By::Render(capture, _) => Some(capture),
+            By::Compute(..) => None,
         }
     }
 
@@ -315,6 +356,7 @@ fn views(projection: Projection) -> Views {
         Projection::Hemicube => Views::Hemicube,
         Projection::Plane { .. } => Views::Plane,
         Projection::Hemisphere => Views::Hemisphere,
+        Projection::Cube => Views::Cube,
     }
 }
 
@@ -323,6 +365,7 @@ fn batch_size(size: u32, views: Views) -> u32 {
     // Identity and depth a view, radiance, the sky's and the plane a texel above the horizon.
     let bytes = match views.count() {
         1 => 8 + 32,
+        6 => 6 * (8 + 32),
         count => count * 8 + 3 * 32,
     };
     (BATCH_BYTES as u32 / (size * size * bytes)).clamp(1, 1024)

@@ -1,11 +1,12 @@
 //! Lights as samples with a shadow view each: what [`super::direct`] renders, prepared on the CPU.
 //!
-//! A punctual light is one sample. Emissive triangles have samples of their own ([`super::emitter_samples`]). The sky, for
-//! the surface cells alone, is a set of parallel lights; pixels see it by their records' captures.
+//! A punctual light is one sample. Emissive triangles have samples of their own ([`super::emitter_samples`]), and so have small
+//! bright regions of the sky. The rest of the sky is a set of parallel lights for the surface cells alone; pixels see it by
+//! their records' captures.
 
 use super::emitter_samples::add_emitters;
 use super::light_set::{Extent, LightSet, LightSettings, NEAR, frame, parallel_frame, parallel_sample, with};
-use super::sky::{SKY_SHADOW_SIZE, add_sky, sky_stride};
+use super::sky::{SKY_SHADOW_SIZE, add_sky, add_suns, sky_stride};
 use crate::passes::shadow::LightKind;
 use crate::passes::views::Views;
 use crate::scene::{Light, Scene};
@@ -52,12 +53,15 @@ pub fn light_sets(
         LightSet::empty("wide spot lights", LightKind::Spot, Views::Cube, spot / 2),
         LightSet::empty("emissive triangles", LightKind::Area, Views::Hemicube, settings.shadow_size),
         LightSet::empty("sky on surfaces", LightKind::Directional, Views::Orthographic, SKY_SHADOW_SIZE),
+        LightSet::empty("suns of the sky", LightKind::Directional, Views::Orthographic, size(1024, 1)),
     ];
     for light in &scene.lights {
         add_punctual(light, extent, &mut sets);
     }
     add_emitters(scene, extent, settings.area_samples, &mut sets[4]);
     sets[4].stride = EMITTER_STRIDE.min(sets[4].samples.len().max(1) as u32);
+    add_suns(&scene.background, extent, settings.area_samples, &mut sets[6]);
+    sets[6].stride = EMITTER_STRIDE.min(sets[6].samples.len().max(1) as u32);
     if sky {
         sets[5].cells_only = true;
         add_sky(&scene.background, extent, settings.sky_samples, &mut sets[5]);

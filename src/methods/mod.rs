@@ -8,6 +8,7 @@ pub mod captures;
 pub mod casters;
 pub mod direct;
 pub mod emitter_samples;
+pub mod gather;
 pub mod irradiance_cache;
 pub mod light_samples;
 pub mod light_set;
@@ -15,9 +16,10 @@ pub mod probes;
 pub mod rates;
 pub mod records;
 mod sky;
+pub mod sphere_probes;
 pub mod work;
 
-pub use sky::upload_sky;
+pub use sky::{Sky, has_suns, sky_bytes};
 
 /// What every technique stands on.
 #[derive(Clone, Copy)]

@@ -9,7 +9,7 @@ use super::casters::Casters;
 use super::direct::DirectLight;
 use super::light_samples::{TooManyLights, light_sets};
 use super::light_set::{Extent, LightSettings};
-use super::{Ground, upload_sky};
+use super::{Ground, Sky};
 use crate::math::cells;
 use crate::passes::cluster_tree::Detail;
 use crate::passes::geometry::{CellBudget, Geometry};
@@ -109,7 +109,7 @@ pub struct Probes<'a> {
     records: Buffer,
     payloads: Buffer,
     results: [Buffer; 2],
-    sky: Option<Buffer>,
+    sky: Option<Sky>,
 }
 
 impl<'a> Probes<'a> {
@@ -131,7 +131,7 @@ impl<'a> Probes<'a> {
             in_compute.then_some(Detail::Exact),
         )?;
         let has_sky = !scene.background.is_black();
-        let sky = has_sky.then(|| upload_sky(device, &scene.background)).transpose()?;
+        let sky = has_sky.then(|| Sky::new(device, &scene.background, false)).transpose()?;
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };
         light_surfaces(device, recorder, &ground, &settings.lights, has_sky)?;
 
@@ -140,7 +140,7 @@ impl<'a> Probes<'a> {
             &ground,
             in_compute,
             CaptureSettings { mode: settings.capture, size, lod_error: 0.0, shared: false },
-            (sky.as_ref(), settings.gradients.translation),
+            (sky.as_ref().map(Sky::captured), settings.gradients.translation),
             None,
         )?;
         recorder.submit(|recording| captures.prepare(recording))?;
@@ -153,8 +153,15 @@ impl<'a> Probes<'a> {
         let limits = Limits { scene_radius: geometry.radius };
         let both = (&records, &payloads);
         let quantities = (settings.gradients, Radius::Harmonic);
-        let integrate =
-            Integrate::new(device, &geometry, &captures.captured(), both, sky.as_ref(), quantities, limits)?;
+        let integrate = Integrate::new(
+            device,
+            &geometry,
+            &captures.captured(),
+            both,
+            sky.as_ref().map(Sky::captured),
+            quantities,
+            limits,
+        )?;
         Ok(Self { scene, geometry, textures, captures, integrate, records, payloads, results, sky })
     }
 
@@ -245,7 +252,8 @@ impl<'a> Probes<'a> {
     }
 }
 
-fn light_surfaces(
+/// Lights the surface cells directly, each reflecting to both sides what reaches them.
+pub(super) fn light_surfaces(
     device: &Arc<Device>,
     recorder: &mut Recorder,
     ground: &Ground<'_>,

@@ -1,4 +1,4 @@
-//! The fused capture: hemicubes, or hemispheres on a disc, rasterised in compute, in shared memory.
+//! The fused capture: hemicubes, cubes, or hemispheres on a disc, rasterised in compute, in shared memory.
 //!
 //! Where a subgroup draws a face, it also sums it: E, its gradients and second derivatives, 1/R. Of what texels see only what
 //! those at borders between faces see is written then, for the edges that [`super::integrate`] adds, and the sides' distances,
@@ -41,8 +41,6 @@ const MOST_EXACT: u64 = 3 << 16;
 const THREADS: u32 = 64;
 /// Steps of a subgroup along a row of texels, at most (`LONGEST_ROW` of the shader).
 const MOST_STEPS: u32 = 8;
-/// Faces of a hemicube.
-const FACES: u32 = 5;
 /// Middles of slices that an invocation passes, at most, before it is left with too few rounds of loops for all else: three
 /// quarters of those that llvmpipe has.
 const MOST_CROSSINGS: u32 = 3 << 14;
@@ -81,9 +79,56 @@ pub struct Looks {
     size: u32,
     lod_error: f32,
     table: Table,
-    is_disc: bool,
+    views: ViewTable,
+    /// Whether faces may be summed where they are rasterised, by the cosine.
+    may_sum: bool,
     shared: bool,
     far: Option<Far>,
+}
+
+/// The views that a workgroup each draws: the first in full, the others with fewer rows of texels where a horizon cuts them.
+#[derive(Clone, Copy)]
+struct ViewTable {
+    count: u32,
+    side_rows: u32,
+    is_disc: bool,
+}
+
+impl ViewTable {
+    fn of(projection: Projection, size: u32) -> Self {
+        let (count, side_rows) = match projection {
+            Projection::Hemicube => (5, size / 2),
+            Projection::Cube => (6, size),
+            Projection::Hemisphere | Projection::Plane { .. } => (1, size),
+        };
+        Self { count, side_rows, is_disc: projection == Projection::Hemisphere }
+    }
+}
+
+/// Specialisation constants of the shader, in their order.
+struct Constants {
+    size: u32,
+    has_masks: bool,
+    has_sky: bool,
+    has_planes: bool,
+    is_disc: bool,
+    has_levels: bool,
+    threads: u32,
+    counts: bool,
+    may_end: bool,
+    has_slices: bool,
+    has_outlines: bool,
+    view_count: u32,
+    side_rows: u32,
+}
+
+impl Constants {
+    fn specialisation(&self) -> Specialisation {
+        let flags = [self.has_masks, self.has_sky, self.has_planes, self.is_disc, self.has_levels].map(u32::from);
+        let extras = [self.counts, self.may_end, self.has_slices, self.has_outlines].map(u32::from);
+        let all = [self.size].into_iter().chain(flags).chain([self.threads]).chain(extras);
+        Specialisation(all.chain([self.view_count, self.side_rows]).collect())
+    }
 }
 
 /// What is far of a record, and seen as slices.
@@ -96,16 +141,22 @@ pub struct Far {
 }
 
 impl Looks {
-    /// By `projection`, a hemicube or a hemisphere, with `size` texels a side; coarse triangles, where the scene has levels
+    /// By `projection`, any but a plane, with `size` texels a side; coarse triangles, where the scene has levels
     /// of detail, are wrong by `lod_error` texels at most.
     pub fn new(projection: Projection, size: u32, lod_error: f32) -> Self {
-        let is_disc = projection == Projection::Hemisphere;
-        Self { size, lod_error, table: projection.table(size), is_disc, shared: false, far: None }
+        let (table, views) = (projection.table(size), ViewTable::of(projection, size));
+        let may_sum = projection == Projection::Hemicube;
+        Self { size, lod_error, table, views, may_sum, shared: false, far: None }
     }
 
     /// The same, each view `shared` by a whole workgroup where one subgroup could draw it: no device ends its loops so soon.
     pub fn shared_by_workgroups(self, shared: bool) -> Self {
         Self { shared, ..self }
+    }
+
+    /// The same, but every texel is written, for another pass to integrate.
+    pub fn without_sums(self) -> Self {
+        Self { may_sum: false, ..self }
     }
 
     /// The same, but what is `far` as slices.
@@ -183,10 +234,10 @@ impl CaptureCompute {
     /// What is summed face by face, where that is done: by subgroups.
     pub fn sums(device: &Device, on: (&Geometry, &ClusterTree), looks: &Looks) -> Option<FaceCounts> {
         let most = device.capabilities.limits.max_texel_buffer_elements;
-        let fits = !looks.is_disc && !looks.shared && u64::from(on.0.cell_count) * PAIRS <= u64::from(most);
+        let fits = looks.may_sum && !looks.shared && u64::from(on.0.cell_count) * PAIRS <= u64::from(most);
         let threads = device.capabilities.subgroup.filter(|_| fits)?;
         let border = Faces::of(&looks.table).border_count;
-        let counts = FaceCounts { texels: looks.texels(), border, parts: FACES * threads };
+        let counts = FaceCounts { texels: looks.texels(), border, parts: looks.views.count * threads };
         let crossings = looks.far.map_or(0, |far| far.grid.crossings() * looks.size * looks.size / threads);
         (crossings <= MOST_CROSSINGS && by_subgroups(device, threads, on, looks.size)).then_some(counts)
     }
@@ -203,13 +254,13 @@ impl CaptureCompute {
         capacity: u32,
         drawn: Option<&Counter>,
     ) -> Result<Self> {
-        let (size, is_disc) = (looks.size, looks.is_disc);
+        let (size, view_table) = (looks.size, looks.views);
         let frames = u64::from(capacity) * size_of::<Frame>() as u64;
         let frames = Buffer::new(device, "capture frames", frames, Memory::Device)?;
         let faces = gathered.sums.is_some().then(|| Faces::of(&looks.table));
         let table = match &faces {
             Some(faces) => Some(TexelBuffer::with_data(device, TABLES, &looks.face_texels(faces))?),
-            None if is_disc => Some(TexelBuffer::with_data(device, TABLES, &looks.disc())?),
+            None if view_table.is_disc => Some(TexelBuffer::with_data(device, TABLES, &looks.disc())?),
             None => None,
         };
         let summed = gathered.sums.as_ref();
@@ -255,21 +306,33 @@ impl CaptureCompute {
             voxel: far.grid.voxel.max_element(),
         };
         let kinds = gathered.kinds;
-        let flags = [tree.masks.is_some(), kinds.sky, kinds.planes, is_disc, tree.has_levels()].map(u32::from);
-        let views = if is_disc { 1 } else { FACES };
         let (threads, code) = match summed {
-            Some(sums) => (sums.part_count / views, spirv!("capture_compute", "subgroup.comp")),
+            Some(sums) => (sums.part_count / view_table.count, spirv!("capture_compute", "subgroup.comp")),
             None => (THREADS, spirv!("capture_compute", "workgroup.comp")),
         };
-        let extras = [drawn.is_some(), ended.is_some(), looks.far.is_some(), neighbours.is_some()].map(u32::from);
-        let constants = Specialisation([size].into_iter().chain(flags).chain([threads]).chain(extras).collect());
+        let constants = Constants {
+            size,
+            has_masks: tree.masks.is_some(),
+            has_sky: kinds.sky,
+            has_planes: kinds.planes,
+            is_disc: view_table.is_disc,
+            has_levels: tree.has_levels(),
+            threads,
+            counts: drawn.is_some(),
+            may_end: ended.is_some(),
+            has_slices: looks.far.is_some(),
+            has_outlines: neighbours.is_some(),
+            view_count: view_table.count,
+            side_rows: view_table.side_rows,
+        };
+        let constants = constants.specialisation();
         let pipeline = ComputePipeline::new("capture_compute", &pipeline_layout, code, &constants)?;
         Ok(Self {
             pipeline,
             set,
             push,
             frames,
-            views,
+            views: view_table.count,
             shared: summed.is_none(),
             ended,
             _viewed: viewed,
@@ -317,7 +380,11 @@ fn by_subgroups(device: &Device, threads: u32, (geometry, tree): (&Geometry, &Cl
 
 /// Values of the larger table that [`super::integrate`] fetches, at most: three for each of two edges a texel.
 fn tables(projection: Projection, size: u32) -> u32 {
-    let squares = if projection == Projection::Hemicube { 3 } else { 1 };
+    let squares = match projection {
+        Projection::Hemicube => 3,
+        Projection::Cube => 6,
+        Projection::Plane { .. } | Projection::Hemisphere => 1,
+    };
     3 * 2 * squares * size * size
 }
 

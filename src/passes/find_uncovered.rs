@@ -10,7 +10,7 @@ use crate::vk::{
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
-const GROUP: u32 = 256;
+const GROUP: u32 = 128;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Entries of a group (`GROUP` in `glsl/inc/index.glsl`).
 pub(super) const GROUP: u32 = 64;
-const THREADS: u32 = 256;
+const THREADS: u32 = 128;
 const CELLS: u64 = 1 << 15;
 
 #[repr(C)]

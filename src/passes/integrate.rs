@@ -141,7 +141,10 @@ impl Integrate {
             view.map_or(Binding::Storage(captured.gathered.buffer()), Binding::TexelBuffer),
         ];
         let follows = captured.by.is_to_follow(sums.is_some());
-        let of_scene = scene_bindings(geometry, &captured.by, sky);
+        let of_scene = match captured.by {
+            CapturedBy::Render(capture, neighbours) => scene_bindings(geometry, capture, neighbours, sky),
+            CapturedBy::Compute(_) => vec![],
+        };
         let of_compute = view.map(|view| compute_bindings(geometry, captured, (records, view), follows));
         let own: Vec<_> = of_captures.into_iter().chain(of_compute.into_iter().flatten()).collect();
         let all = [&own[..], &of_scene].into_iter().filter(|bindings| !bindings.is_empty());
@@ -206,8 +209,12 @@ fn compute_bindings<'a>(
 }
 
 /// What texels see is looked up in the scene, where the capture has not done so.
-fn scene_bindings<'a>(geometry: &'a Geometry, by: &CapturedBy<'a>, sky: Option<&'a Buffer>) -> Vec<Binding<'a>> {
-    let CapturedBy::Render(capture, neighbours) = by else { return vec![] };
+pub(super) fn scene_bindings<'a>(
+    geometry: &'a Geometry,
+    capture: &'a Capture,
+    neighbours: Option<&'a Buffer>,
+    sky: Option<&'a Buffer>,
+) -> Vec<Binding<'a>> {
     let (positions, indices) = (&geometry.positions, &geometry.indices);
     let identity = capture.identity.as_ref().expect("captures for integration keep identities");
     vec![
@@ -216,19 +223,20 @@ fn scene_bindings<'a>(geometry: &'a Geometry, by: &CapturedBy<'a>, sky: Option<&
         Binding::Storage(&geometry.first_cell),
         Binding::Storage(&geometry.cell_radiance),
         Binding::Texels(identity),
-        Binding::Texels(&capture.depth),
         Binding::Storage(sky.unwrap_or(positions)),
         Binding::Storage(neighbours.unwrap_or(positions)),
     ]
 }
 
+/// A texel as shaders read it.
+pub(super) fn texel_on_device(t: &capture::Texel) -> Texel {
+    let (d, turn) = (t.direction.as_vec3(), t.turn().as_vec3());
+    let place = f32::from_bits(t.layer << 16 | t.y << 8 | t.x);
+    Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, 0.0] }
+}
+
 /// Texels and edges that the shader goes through; of faces that are summed those at borders.
 fn tables(table: &Table, summed: bool, gradients: Gradients) -> (Vec<Texel>, Vec<Edge>) {
-    let texel = |t: &capture::Texel| {
-        let (d, turn) = (t.direction.as_vec3(), t.turn().as_vec3());
-        let place = f32::from_bits(t.layer << 16 | t.y << 8 | t.x);
-        Texel { weights: [t.weight() as f32, turn.x, turn.y, place], direction: [d.x, d.y, d.z, t.forward as f32] }
-    };
     let edge = |e: &capture::Edge, [i, j]: [u32; 2]| Edge {
         step: [e.step.x as f32, e.step.y as f32, f32::from_bits(i), f32::from_bits(j)],
         between: table.between(e).normalize().as_vec3().extend(0.0).to_array(),
@@ -241,7 +249,7 @@ fn tables(table: &Table, summed: bool, gradients: Gradients) -> (Vec<Texel>, Vec
         (vec![Texel::default(); faces.border_count as usize], edges)
     } else {
         let edges = table.edges.iter().map(|e| edge(e, [e.i, e.j])).collect();
-        (table.texels.iter().map(texel).collect(), edges)
+        (table.texels.iter().map(texel_on_device).collect(), edges)
     };
     (texels, if gradients.translation { edges } else { vec![Edge::default()] })
 }

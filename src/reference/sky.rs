@@ -49,14 +49,20 @@ impl<'a> Sky<'a> {
 
     /// A direction in proportion to a map's radiance. `None` for a constant sky: a cosine-distributed direction is already
     /// as good as any.
+    ///
+    /// The bilinear lookup is a sum of tents over the texels' centres: a texel is chosen by its radiance × solid angle, then a
+    /// place under its tent. Where rows end at a pole the tent is folded back, as the lookup goes on with the last row.
     pub fn sample(&self, u: f64, v: f64) -> Option<SkySample> {
         let (Background::Map(map), Some(texels)) = (self.background, &self.texels) else { return None };
         let (i, place) = texels.sample(u);
         let (x, y) = (i % map.width as usize, i / map.width as usize);
-        let phi = TAU * ((x as f64 + place) / f64::from(map.width) - 0.5);
-        let (sin, cos) = (PI * (y as f64 + v) / f64::from(map.height)).sin_cos();
+        let across = (x as f64 + 0.5 + tent(place)) / f64::from(map.width);
+        let down = (y as f64 + 0.5 + tent(v)) / f64::from(map.height);
+        let down = if down > 1.0 { 2.0 - down } else { down.abs() };
+        let phi = TAU * (across - 0.5);
+        let (sin, cos) = (PI * down).sin_cos();
         let direction = DVec3::new(sin * phi.sin(), cos, -sin * phi.cos());
-        let density = self.texel_density(map, texels, i, sin);
+        let density = density(map, texels, (across, down), sin);
         (density > 0.0 && density.is_finite()).then(|| SkySample {
             direction,
             radiance: self.radiance(direction),
@@ -67,15 +73,28 @@ impl<'a> Sky<'a> {
     /// Density of [`Sky::sample`] at `direction`, per steradian.
     pub fn density(&self, direction: DVec3) -> f64 {
         let (Background::Map(map), Some(texels)) = (self.background, &self.texels) else { return 0.0 };
-        let (u, v) = coordinates(direction);
-        let index = |t: f64, n: u32| ((t * f64::from(n)) as usize).min(n as usize - 1);
-        let i = index(v, map.height) * map.width as usize + index(u, map.width);
-        self.texel_density(map, texels, i, (1.0 - direction.y * direction.y).max(0.0).sqrt())
+        density(map, texels, coordinates(direction), (1.0 - direction.y * direction.y).max(0.0).sqrt())
     }
+}
 
-    fn texel_density(&self, map: &EnvironmentMap, texels: &Discrete, i: usize, sin: f64) -> f64 {
-        texels.probability(i) * f64::from(map.width) * f64::from(map.height) / (TAU * PI * sin)
-    }
+/// Density of samples at a place in the map, per steradian.
+fn density(map: &EnvironmentMap, texels: &Discrete, (u, v): (f64, f64), sin: f64) -> f64 {
+    let (width, height) = (i64::from(map.width), i64::from(map.height));
+    let (x, y) = (u * width as f64 - 0.5, v * height as f64 - 0.5);
+    let (x0, y0) = (x.floor(), y.floor());
+    let at = |dx: i64, dy: i64| {
+        let column = (x0 as i64 + dx).rem_euclid(width);
+        let row = (y0 as i64 + dy).clamp(0, height - 1);
+        texels.probability((row * width + column) as usize)
+    };
+    let row = |dy| at(0, dy) + (at(1, dy) - at(0, dy)) * (x - x0);
+    let texel = row(0) + (row(1) - row(0)) * (y - y0);
+    texel * (width * height) as f64 / (TAU * PI * sin)
+}
+
+/// A place under the tent 1 − |x| on [−1, 1], by a number in [0, 1).
+fn tent(u: f64) -> f64 {
+    if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).sqrt() }
 }
 
 /// Place of a direction in the map, both in [0, 1], v down from +Y.
@@ -83,21 +102,11 @@ fn coordinates(direction: DVec3) -> (f64, f64) {
     (0.5 + direction.x.atan2(-direction.z) / TAU, direction.y.clamp(-1.0, 1.0).acos() / PI)
 }
 
-fn texel(map: &EnvironmentMap, x: i64, y: i64) -> DVec3 {
-    let x = x.rem_euclid(i64::from(map.width)) as usize;
-    let y = y.clamp(0, i64::from(map.height) - 1) as usize;
-    DVec3::from_array(map.rgb[y * map.width as usize + x].map(f64::from))
-}
-
-/// Mean radiance of a texel and its neighbours × solid angle: not zero wherever the bilinear lookup is not.
+/// Radiance × solid angle of each texel.
 fn texel_weights(map: &EnvironmentMap) -> impl Iterator<Item = f64> {
-    (0..i64::from(map.height)).flat_map(move |y| {
-        let sin = (PI * (y as f64 + 0.5) / f64::from(map.height)).sin();
-        (0..i64::from(map.width)).map(move |x| {
-            let near = |dx, dy| texel(map, x + dx, y + dy).element_sum();
-            let around: f64 = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| near(dx, dy))).sum();
-            (around + near(0, 0)) * sin
-        })
+    (0..map.height).flat_map(move |y| {
+        let row = &map.rgb[y as usize * map.width as usize..][..map.width as usize];
+        row.iter().map(move |texel| texel.iter().copied().map(f64::from).sum::<f64>() * map.solid_angle(y))
     })
 }
 
@@ -120,6 +129,19 @@ mod tests {
             let s = sky.sample(at(i % n), at((i * 7) % n)).unwrap();
             assert!((sky.density(s.direction) / s.density - 1.0).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn samples_of_a_sun_bring_its_light_alike() {
+        let mut rgb = vec![[0.0f32; 3]; 256 * 128];
+        rgb[40 * 256 + 100] = [1e6; 3];
+        let background = Background::Map(EnvironmentMap { width: 256, height: 128, rgb });
+        let sky = Sky::new(&background);
+        let at = |i: u32| (f64::from(i) + 0.5) / 100.0;
+        let value = |i: u32| sky.sample(at(i % 10), at(i / 10)).map_or(0.0, |s| s.radiance.x / s.density);
+        let values: Vec<f64> = (0..100).map(value).collect();
+        let mean = values.iter().sum::<f64>() / 100.0;
+        assert!(values.iter().all(|v| (v / mean - 1.0).abs() < 0.03), "{values:?}");
     }
 
     #[test]

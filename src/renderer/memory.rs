@@ -4,6 +4,7 @@ use super::Settings;
 use super::plan::Plan;
 use crate::methods::captures::CaptureMode;
 use crate::methods::casters::CoarseSurface;
+use crate::methods::sky_bytes;
 use crate::passes::geometry::{Arrangement, Need, SurfaceSize, needs};
 use crate::passes::slices::Slices;
 use crate::scene::Scene;
@@ -67,7 +68,13 @@ pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &P
     let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
     let casters = if plan.coarse_casters { CoarseSurface::most_bytes(scene) } else { 0 };
-    let rest = [("textures", textures), ("the image", image), ("coarse casters", casters), ("batches", FRAME)];
+    let rest = [
+        ("textures", textures),
+        ("background", sky_bytes(&scene.background)),
+        ("the image", image),
+        ("coarse casters", casters),
+        ("batches", FRAME),
+    ];
     // These are many, none of them large beside the device's limits.
     all.extend(rest.map(|(used_for, bytes)| Need { used_for, bytes, largest: 0, allowed: u64::MAX }));
     all.retain(|need| need.bytes > 0);

@@ -6,6 +6,7 @@ use crate::math::density::Eye;
 use crate::methods::captures::CaptureMode;
 use crate::methods::casters::FEWEST_TO_SIMPLIFY;
 use crate::methods::emitter_samples::MOST_FACES;
+use crate::methods::has_suns;
 use crate::methods::irradiance_cache::CacheSettings;
 use crate::passes::capture::WHOLE_SCENE;
 use crate::passes::cluster_tree::Detail;
@@ -218,7 +219,8 @@ fn cells(scene: &Scene, eye: Option<Eye>, settings: &Settings) -> CellBudget {
     let faces: u32 = scene.parts.iter().filter(|part| scene.emits(part)).map(|part| part.triangle_count).sum();
     let area = if faces > 0 { settings.lights.area_samples.max(faces.min(MOST_FACES as u32)) } else { 0 };
     let sky = if scene.background.is_black() { 0 } else { settings.lights.sky_samples };
-    let samples = scene.lights.len() as u64 + u64::from(area + sky);
+    let suns = if has_suns(&scene.background) { settings.lights.area_samples } else { 0 };
+    let samples = scene.lights.len() as u64 + u64::from(area + sky + suns);
     let affordable = (1_u64 << 26) / samples.max(1);
     let count = (40 * scene.triangles.len() as u64).clamp(1 << 17, 1 << 22).min(affordable.max(1 << 16)) as u32;
     let mut budget = CellBudget { count, eye };
@@ -234,6 +236,7 @@ struct Facts {
     masked: bool,
     opaque: u32,
     sky: bool,
+    suns: bool,
     directional: bool,
     point: bool,
     spot: bool,
@@ -254,6 +257,7 @@ impl Facts {
                 Background::Constant(radiance) => *radiance != Vec3::ZERO,
                 Background::Map(_) => !scene.background.is_black(),
             },
+            suns: has_suns(&scene.background),
             directional: light(|l| matches!(l, Light::Directional { .. })),
             point: light(|l| matches!(l, Light::Point { .. })),
             spot: light(|l| matches!(l, Light::Spot { .. })),
@@ -261,15 +265,16 @@ impl Facts {
     }
 
     fn is_lit(&self) -> bool {
-        self.emits || self.directional || self.point || self.spot
+        self.emits || self.directional || self.point || self.spot || self.suns
     }
 
-    fn light_kinds(&self) -> [(&'static str, bool, &'static str); 4] {
+    fn light_kinds(&self) -> [(&'static str, bool, &'static str); 5] {
         [
             ("directional shadows", self.directional, "no directional lights"),
             ("point shadows", self.point, "no point lights"),
             ("spot shadows", self.spot, "no spot lights"),
             ("area shadows", self.emits, "no emissive triangles"),
+            ("sun shadows", self.suns, "no small bright regions of a map shine"),
         ]
     }
 }

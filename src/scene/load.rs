@@ -8,9 +8,13 @@
 //! part), KHR_mesh_quantization, KHR_texture_transform, EXT_mesh_gpu_instancing, EXT_meshopt_compression,
 //! KHR_meshopt_compression, EXT_texture_webp.
 //!
+//! Skins and morph targets give meshes their pose: at rest, or at a moment of one of the file's animations ([`Pose`]; all
+//! interpolations; nodes' places, turns, sizes and morph weights, also by KHR_animation_pointer). A skinned mesh stands
+//! where its joints are, whatever its node's transform.
+//!
 //! # What is not
 //! Every surface is Lambertian: its albedo is the base colour, metallic and roughness are ignored. A light's `range` is
-//! ignored. Animated, skinned and morphed meshes stand in their rest pose. Blended surfaces are cut off at alpha 0.5.
+//! ignored. Blended surfaces are cut off at alpha 0.5.
 //! Each of these says so in [`Scene::notes`] where it changes the picture.
 //!
 //! # Files that break the format
@@ -20,7 +24,7 @@
 //!
 //! | broken | what happens |
 //! |---|---|
-//! | anything in what nothing drawn uses: animations, skins, morph targets, unused accessors, images, materials | not looked at |
+//! | anything in what nothing drawn uses: animations, skins, unused accessors, images, materials | not looked at |
 //! | accessor `min`/`max` wrong or missing, alignment of offsets and strides, buffer view `target` | not needed |
 //! | component types that core glTF does not allow for an attribute | read as KHR_mesh_quantization says |
 //! | empty lists, properties that glTF does not know, undeclared extensions | ignored |
@@ -37,15 +41,17 @@
 //! | camera clip planes | not used |
 
 use super::error::{Fault, Kind, Result, SceneError, Within};
+use super::gltf::animation::{self, Poses};
 use super::gltf::assemble::{self, Draw, Needs};
 use super::gltf::buffers::Buffers;
 pub use super::gltf::container::Resolver;
+use super::gltf::deform::{self, Deformer, Posed};
 use super::gltf::document::{Document, item};
 use super::gltf::nodes::{self, Placed};
 use super::gltf::primitive::{self, Budget, Primitive};
 use super::gltf::textures::TextureStore;
 use super::gltf::{Notes, container, extensions, lights, materials};
-use super::{Material, Scene};
+use super::{Animation, Material, Scene};
 use std::collections::{BTreeMap, btree_map::Entry};
 use std::io::{self, Read};
 use std::path::Path;
@@ -66,12 +72,48 @@ impl Default for Limits {
     }
 }
 
-/// Loads a `.gltf` or `.glb` file and the files that it names.
+/// The moment of a file's animations that is loaded; by default the rest pose, which no animation changes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Pose {
+    /// The animation, by name or else by index; with a time alone, the file's first.
+    pub animation: Option<String>,
+    /// Seconds since its start; with an animation alone, 0. Beyond its keys, the first and the last key hold.
+    pub seconds: Option<f64>,
+}
+
+impl Pose {
+    /// Whether no animation is applied.
+    pub fn is_rest(&self) -> bool {
+        self.animation.is_none() && self.seconds.is_none()
+    }
+}
+
+/// How a file is loaded.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// How large the scene may get.
+    pub limits: Limits,
+    /// The moment that is shown.
+    pub pose: Pose,
+}
+
+impl From<Limits> for Options {
+    fn from(limits: Limits) -> Self {
+        Self { limits, ..Self::default() }
+    }
+}
+
+/// Loads a `.gltf` or `.glb` file and the files that it names, in its rest pose.
 pub fn load(path: &Path) -> std::result::Result<Scene, SceneError> {
+    load_with(path, Options::default())
+}
+
+/// Loads a `.gltf` or `.glb` file and the files that it names.
+pub fn load_with(path: &Path, options: impl Into<Options>) -> std::result::Result<Scene, SceneError> {
     let file = path.display().to_string();
     let bytes = read_file(path).map_err(|e| Fault::new(Kind::Read, format!("cannot read: {e}")).in_file(&file))?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    load_from_slice(&file, &bytes, &|name| read_file(&folder.join(name)), Limits::default())
+    load_from_slice(&file, &bytes, &|name| read_file(&folder.join(name)), options)
 }
 
 /// Loads a scene from bytes. `file` names it in messages and, by its stem, the scene; `resolve` finds what it names.
@@ -79,9 +121,9 @@ pub fn load_from_slice(
     file: &str,
     bytes: &[u8],
     resolve: &Resolver<'_>,
-    limits: Limits,
+    options: impl Into<Options>,
 ) -> std::result::Result<Scene, SceneError> {
-    let scene = load_bytes(bytes, resolve, limits).map_err(|fault| fault.in_file(file))?;
+    let scene = load_bytes(bytes, resolve, &options.into()).map_err(|fault| fault.in_file(file))?;
     let name = Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     Ok(Scene { name, ..scene })
 }
@@ -97,21 +139,29 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, limits: Limits) -> Result<Scene> {
+fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, options: &Options) -> Result<Scene> {
+    let limits = options.limits;
     let container = container::open(bytes)?;
     let document = Document::parse(container.json)?;
     let mut notes = Notes::default();
     extensions::check(&document, &mut notes)?;
     let buffers = Buffers::new(&document, &container, resolve);
-    let placed = nodes::flatten(&document)?;
+    let poses = animation::poses(&document, &buffers, &options.pose, &mut notes)?;
+    let placed = nodes::flatten(&document, &poses)?;
     let meshes = read_meshes(&document, &buffers, &placed, limits, &mut notes)?;
-    let drawn = Drawn { document: &document, buffers: &buffers, placed: &placed, meshes: &meshes };
+    let mut drawn =
+        Drawn { document: &document, buffers: &buffers, placed: &placed, meshes: &meshes, posed: BTreeMap::new() };
     let allowed = limits.triangles.min((1 << 20) + 64 * (bytes.len() as u64 + buffers.fetched_bytes()));
-    let draws = drawn.list(allowed)?;
+    drawn.check_count(allowed)?;
+    drawn.posed = pose(&drawn, &poses, allowed, &mut notes)?;
+    let draws = drawn.list()?;
     let mut scene = drawn.build(draws, limits, &mut notes)?;
     scene.lights = lights::lights(&document, &placed, scene.origin)?;
     scene.cameras = lights::cameras(&document, &placed, scene.origin, &mut notes)?;
-    note_rest_poses(&document, &placed, &mut notes);
+    scene.animations = animations(&document, &buffers);
+    notes.add_if("animations are not played: --time SECONDS shows a moment of them", {
+        options.pose.is_rest() && !scene.animations.is_empty()
+    });
     scene.notes = notes.into_lines();
     Ok(scene)
 }
@@ -173,25 +223,27 @@ struct Drawn<'a, 'b> {
     buffers: &'a Buffers<'b>,
     placed: &'a [Placed],
     meshes: &'a BTreeMap<usize, Mesh>,
+    /// Meshes in a pose of their own, by the node's place in `placed`.
+    posed: BTreeMap<usize, Posed>,
 }
 
-impl<'a> Drawn<'a, '_> {
+/// How often joints and morph targets may move a vertex, a triangle that is allowed.
+const MOVES_A_TRIANGLE: u64 = 64;
+
+impl Drawn<'_, '_> {
     /// Each primitive at each place, by the document's material (none: last) and then in node order.
-    fn list(&self, allowed: u64) -> Result<Vec<Draw<'a>>> {
-        self.check_count(allowed)?;
+    fn list(&self) -> Result<Vec<Draw<'_>>> {
         let mut draws = Vec::new();
-        for (node, mesh, primitives) in self.drawn_meshes() {
+        for (place, node, mesh, primitives) in self.drawn_meshes() {
+            let (primitives, at) = match self.posed.get(&place) {
+                Some(posed) => (&posed.primitives, posed.to_world),
+                None => (primitives, node.to_world),
+            };
             let instances = nodes::instances(self.document, self.buffers, &self.document.nodes[node.node]);
             for instance in instances.within(|| self.document.node_label(node.node))? {
-                let to_world = node.to_world * instance;
-                let draw = |(index, primitive): &'a (usize, Primitive)| Draw {
-                    primitive,
-                    to_world,
-                    material: 0,
-                    mesh,
-                    index: *index,
-                };
-                draws.extend(primitives.iter().map(draw));
+                let to_world = at * instance;
+                let draw = |(index, primitive)| Draw { primitive, to_world, material: 0, mesh, index };
+                draws.extend(primitives.iter().map(|(index, primitive)| draw((*index, primitive))));
             }
         }
         draws.retain(|d| !d.primitive.triangles.is_empty());
@@ -202,7 +254,7 @@ impl<'a> Drawn<'a, '_> {
     /// Refuses more triangles than allowed before a single instance is made.
     fn check_count(&self, allowed: u64) -> Result<()> {
         let mut total = 0u64;
-        for (node, _, primitives) in self.drawn_meshes() {
+        for (_, node, _, primitives) in self.drawn_meshes() {
             let count = nodes::instance_count(self.document, self.buffers, &self.document.nodes[node.node]);
             let count = count.within(|| self.document.node_label(node.node))? as u64;
             let triangles = primitives.iter().map(|(_, p)| p.triangles.len() as u64).sum::<u64>();
@@ -215,14 +267,16 @@ impl<'a> Drawn<'a, '_> {
         Ok(())
     }
 
-    /// Nodes that draw a mesh.
-    fn drawn_meshes(&self) -> impl Iterator<Item = (&'a Placed, usize, &'a Mesh)> {
-        let (placed, document, meshes) = (self.placed, self.document, self.meshes);
-        placed.iter().filter_map(move |p| document.nodes[p.node].mesh.and_then(|m| Some((p, m, meshes.get(&m)?))))
+    /// Nodes that draw a mesh, each with its place among all.
+    fn drawn_meshes(&self) -> impl Iterator<Item = (usize, &Placed, usize, &Mesh)> {
+        self.placed.iter().enumerate().filter_map(|(place, p)| {
+            let mesh = self.document.nodes[p.node].mesh?;
+            Some((place, p, mesh, self.meshes.get(&mesh)?))
+        })
     }
 
     /// Materials, textures and all triangles.
-    fn build(&self, mut draws: Vec<Draw<'a>>, limits: Limits, notes: &mut Notes) -> Result<Scene> {
+    fn build(&self, mut draws: Vec<Draw<'_>>, limits: Limits, notes: &mut Notes) -> Result<Scene> {
         let mut scene = Scene { origin: assemble::origin(&draws), ..Scene::default() };
         let mut store = TextureStore::new(self.document, self.buffers, limits.texels);
         let mut last = None;
@@ -281,13 +335,23 @@ fn drop_unused_materials(scene: &mut Scene) {
     }
 }
 
-/// Says which things stand still.
-fn note_rest_poses(document: &Document, placed: &[Placed], notes: &mut Notes) {
-    let skinned = placed.iter().any(|p| document.nodes[p.node].skin.is_some());
-    notes.add_if("skinned meshes are shown in their rest pose", skinned);
-    let morphed = document.meshes.iter().flat_map(|m| &m.primitives).any(|p| p.targets.is_some());
-    notes.add_if("morph targets are not applied", morphed);
-    notes.add_if("animations are not played", document.has_animations);
+fn animations(document: &Document, buffers: &Buffers<'_>) -> Vec<Animation> {
+    let all = animation::names(document).into_iter().zip(animation::lengths(document, buffers));
+    all.map(|(name, seconds)| Animation { name, seconds }).collect()
+}
+
+/// Meshes that skins or morph targets change, by the node's place among `drawn.placed`.
+fn pose(drawn: &Drawn<'_, '_>, poses: &Poses, allowed: u64, notes: &mut Notes) -> Result<BTreeMap<usize, Posed>> {
+    let worlds = deform::worlds(drawn.document, drawn.placed, poses);
+    let budget = allowed.saturating_mul(MOVES_A_TRIANGLE).into();
+    let deformer = Deformer { document: drawn.document, buffers: drawn.buffers, poses, worlds: &worlds, budget };
+    let mut posed = BTreeMap::new();
+    for (index, placed) in drawn.placed.iter().enumerate() {
+        let Some(mesh) = drawn.document.nodes[placed.node].mesh.and_then(|m| drawn.meshes.get(&m)) else { continue };
+        let changed = deformer.pose(placed, mesh, notes).within(|| drawn.document.node_label(placed.node))?;
+        posed.extend(changed.map(|changed| (index, changed)));
+    }
+    Ok(posed)
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ mod tessellate;
 pub use camera::{LARGEST_SIDE, frame, image_size};
 pub use cornell::cornell;
 pub use error::SceneError;
-pub use load::{Limits, Resolver, load, load_from_slice};
+pub use load::{Limits, Options, Pose, Resolver, load, load_from_slice, load_with};
 pub use sample::{Emitter, Encoding, SurfacePoint};
 pub use tessellate::SideLimit;
 
@@ -60,6 +60,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Cameras; empty where the file has none.
     pub cameras: Vec<Camera>,
+    /// Animations of the file, whether or not one of them is shown.
+    pub animations: Vec<Animation>,
     /// Radiance that arrives from outside all geometry.
     pub background: Background,
     /// What was tolerated or left out while loading, a line each, for the user.
@@ -94,6 +96,15 @@ impl Scene {
     pub fn opaque_count(&self) -> u32 {
         self.parts.iter().filter(|part| !self.is_masked(part)).map(|part| part.triangle_count).sum()
     }
+}
+
+/// An animation of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Animation {
+    /// Name in the file; empty where it has none.
+    pub name: String,
+    /// Time of its last key, in seconds.
+    pub seconds: f64,
 }
 
 /// A run of triangles with one material.

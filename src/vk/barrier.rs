@@ -1,4 +1,4 @@
-//! The three barriers that the passes use.
+//! The barriers that the passes use.
 
 use super::commands::Commands;
 use super::image::Image;
@@ -21,6 +21,15 @@ pub fn dispatches(commands: &Commands) {
         .dst_access_mask(vk::AccessFlags::SHADER_READ | vk::AccessFlags::SHADER_WRITE);
     let stages = vk::PipelineStageFlags::COMPUTE_SHADER | vk::PipelineStageFlags::TRANSFER;
     between(commands, [stages, vk::PipelineStageFlags::COMPUTE_SHADER], &[barrier], &[]);
+}
+
+/// Device writes before reads by the CPU once the submission has been waited for: a fence alone orders, but makes nothing
+/// visible to the host (Vulkan 1.3, 7.3).
+pub(super) fn to_host(commands: &Commands) {
+    let barrier = vk::MemoryBarrier::default()
+        .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
+        .dst_access_mask(vk::AccessFlags::HOST_READ);
+    between(commands, [ANY, vk::PipelineStageFlags::HOST], &[barrier], &[]);
 }
 
 /// Moves all of an image from one layout to another, ordered with everything around it.

@@ -125,7 +125,7 @@ impl Buffer {
             let region = vk::BufferCopy::default().dst_offset((index * PIECE) as u64).size(piece.len() as u64);
             // SAFETY: both buffers outlive the submission, which is waited for.
             unsafe { self.device.raw.cmd_copy_buffer(commands.raw, staging.raw, self.raw, &[region]) };
-            commands.finish()?;
+            commands.run(&format!("the upload of {}", self.used_for))?;
         }
         Ok(())
     }
@@ -151,7 +151,7 @@ impl Buffer {
 impl Drop for Buffer {
     fn drop(&mut self) {
         // SAFETY: every submission that named the buffer has been waited for.
-        unsafe { self.device.raw.destroy_buffer(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_buffer(self.raw, None) });
         if let Some(allocation) = self.allocation.take() {
             self.device.free(self.used_for, allocation, self.size);
         }

@@ -1,50 +1,85 @@
 //! A command buffer that is recorded once, submitted once and waited for.
 
+use super::barrier;
 use super::buffer::Buffer;
 use super::device::Device;
-use super::error::{Context, Result};
+use super::error::{Context, Error, Result};
 use super::image::Image;
 use ash::vk;
+use std::cell::Cell;
+use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// A command buffer being recorded.
+/// A command buffer being recorded. It may go to another thread, but two threads cannot record into it at once.
 pub struct Commands {
     pub(super) raw: vk::CommandBuffer,
+    /// The pool of this command buffer alone, lent by the device.
+    pool: vk::CommandPool,
     /// The device it runs on.
     pub device: Arc<Device>,
+    _not_sync: PhantomData<Cell<()>>,
 }
 
 impl Commands {
     /// Starts recording.
+    ///
+    /// # Errors
+    /// [`Error::Call`] where the driver is out of memory.
     pub fn begin(device: &Arc<Device>) -> Result<Self> {
+        let pool = device.borrow_command_pool()?;
+        let mut commands =
+            Self { raw: vk::CommandBuffer::null(), pool, device: device.clone(), _not_sync: PhantomData };
         let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(device.command_pool)
+            .command_pool(pool)
             .level(vk::CommandBufferLevel::PRIMARY)
             .command_buffer_count(1);
-        // SAFETY: the pool belongs to the device; all recording is on this thread, by `&self` that is not Sync-shared.
-        let raw = unsafe { device.raw.allocate_command_buffers(&info) }.during("allocating a command buffer")?[0];
-        let commands = Self { raw, device: device.clone() };
+        // SAFETY: the pool belongs to the device, and nothing else uses it until `drop` returns it.
+        commands.raw = unsafe { device.raw.allocate_command_buffers(&info) }.during("allocating a command buffer")?[0];
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is fresh.
-        unsafe { device.raw.begin_command_buffer(raw, &begin) }.during("beginning a command buffer")?;
+        unsafe { device.raw.begin_command_buffer(commands.raw, &begin) }.during("beginning a command buffer")?;
         Ok(commands)
     }
 
-    /// Submits and waits until the GPU is done.
+    /// Submits and waits until the GPU is done, at most [`Device::time_limit`]. What it wrote is then visible to the CPU.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`] and [`Error::TimedOut`].
     pub fn finish(self) -> Result<()> {
+        self.run("a submission")
+    }
+
+    /// The same; `content` names the submission in errors.
+    pub(super) fn run(self, content: &str) -> Result<()> {
+        barrier::to_host(&self);
         let device = &self.device.raw;
-        // SAFETY: recording was begun; fence and command buffer outlive the wait.
-        unsafe {
-            device.end_command_buffer(self.raw).during("ending a command buffer")?;
-            let fence = device.create_fence(&vk::FenceCreateInfo::default(), None).during("creating a fence")?;
-            let buffers = [self.raw];
-            let submit = [vk::SubmitInfo::default().command_buffers(&buffers)];
-            let done = device
-                .queue_submit(self.device.queue, &submit, fence)
-                .and_then(|()| device.wait_for_fences(&[fence], true, u64::MAX));
-            device.destroy_fence(fence, None);
-            done.during("running a command buffer")
+        // SAFETY: recording was begun, and nothing else uses the command buffer.
+        unsafe { device.end_command_buffer(self.raw) }.during("ending a command buffer")?;
+        // SAFETY: the device is alive.
+        let fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }.during("creating a fence")?;
+        let done = self.submit_and_wait(fence);
+        if done == Err(vk::Result::TIMEOUT) {
+            self.device.abandon();
         }
+        // SAFETY: the fence has been waited for, or nothing was submitted.
+        self.device.destroy(|raw| unsafe { raw.destroy_fence(fence, None) });
+        done.map_err(|result| match result {
+            vk::Result::TIMEOUT => {
+                Error::TimedOut { content: content.into(), seconds: self.device.time_limit.as_secs_f64() }
+            }
+            vk::Result::ERROR_DEVICE_LOST => Error::DeviceLost { content: content.into() },
+            result => Error::Call { operation: "running a command buffer", result },
+        })
+    }
+
+    fn submit_and_wait(&self, fence: vk::Fence) -> std::result::Result<(), vk::Result> {
+        let buffers = [self.raw];
+        let submit = [vk::SubmitInfo::default().command_buffers(&buffers)];
+        let limit = u64::try_from(self.device.time_limit.as_nanos()).unwrap_or(u64::MAX);
+        // SAFETY: the queue is locked during the call; fence and command buffer outlive the wait, or are abandoned.
+        unsafe { self.device.raw.queue_submit(*self.device.queue(), &submit, fence) }?;
+        // SAFETY: the fence was submitted.
+        unsafe { self.device.raw.wait_for_fences(&[fence], true, limit) }
     }
 
     /// Copies the first `size` bytes of `from` to `to`.
@@ -72,7 +107,6 @@ impl Commands {
 
 impl Drop for Commands {
     fn drop(&mut self) {
-        // SAFETY: `finish` has waited, or the buffer was never submitted.
-        unsafe { self.device.raw.free_command_buffers(self.device.command_pool, &[self.raw]) };
+        self.device.return_command_pool(self.pool);
     }
 }

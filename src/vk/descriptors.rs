@@ -69,10 +69,16 @@ impl SetLayout {
     }
 }
 
+impl SetLayout {
+    pub(super) fn storage_buffers(&self) -> u32 {
+        self.kinds.iter().filter(|kind| **kind == vk::DescriptorType::STORAGE_BUFFER).count() as u32
+    }
+}
+
 impl Drop for SetLayout {
     fn drop(&mut self) {
         // SAFETY: pipelines and sets made from the layout do not need it any more.
-        unsafe { self.device.raw.destroy_descriptor_set_layout(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_descriptor_set_layout(self.raw, None) });
     }
 }
 
@@ -144,6 +150,6 @@ pub(super) fn read_layout(image: &Image) -> vk::ImageLayout {
 impl Drop for DescriptorSet {
     fn drop(&mut self) {
         // SAFETY: every submission that used the set has been waited for; the pool frees it.
-        unsafe { self.device.raw.destroy_descriptor_pool(self.pool, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_descriptor_pool(self.pool, None) });
     }
 }

@@ -2,13 +2,16 @@
 
 use super::capabilities::Capabilities;
 use super::error::{Context, Error, Result};
+use super::forced::Forced;
 use super::instance::{Instance, PhysicalDevice};
-use ash::{ext, vk};
+use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocation, Allocator, AllocatorCreateDesc};
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 /// Which device to run on.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +21,27 @@ pub enum DeviceChoice {
     Best,
     /// Index in the loader's order, or a part of the name, whatever its case.
     Named(String),
+}
+
+/// Which device to open, and how.
+#[derive(Clone, Debug, Default)]
+pub struct DeviceOptions {
+    /// Which one.
+    pub choice: DeviceChoice,
+    /// Capabilities that it is to have or to lack.
+    pub forced: Forced,
+    /// The longest that a submission is waited for. `None`: five minutes, on a CPU an hour.
+    pub time_limit: Option<Duration>,
+}
+
+impl DeviceOptions {
+    /// `choice`, with the capabilities that the environment forces.
+    ///
+    /// # Errors
+    /// [`Error::Forced`] where the environment variable cannot be read.
+    pub fn from_environment(choice: DeviceChoice) -> Result<Self> {
+        Ok(Self { choice, forced: Forced::from_environment()?, time_limit: None })
+    }
 }
 
 /// Bytes of device memory.
@@ -32,14 +56,21 @@ pub struct MemoryUse {
     now_by_use: BTreeMap<&'static str, u64>,
 }
 
-/// A logical device with one queue that does graphics and compute.
+/// A logical device with one queue that does graphics and compute. Any number of threads may record and submit at once.
 pub struct Device {
     pub(super) raw: ash::Device,
-    pub(super) queue: vk::Queue,
-    pub(super) command_pool: vk::CommandPool,
+    queue: Mutex<vk::Queue>,
+    /// Command pools that no [`super::Commands`] uses now.
+    command_pools: Mutex<Vec<vk::CommandPool>>,
+    /// A submission was given up and may still run: nothing that it uses can be destroyed any more.
+    abandoned: AtomicBool,
     debug_utils: Option<ext::debug_utils::Device>,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     memory: Mutex<MemoryUse>,
+    /// The longest that a submission is waited for.
+    pub time_limit: Duration,
+    /// Zero of the clock of all reports.
+    pub opened: Instant,
     /// What it can do.
     pub capabilities: Capabilities,
     /// Which device it is.
@@ -49,25 +80,37 @@ pub struct Device {
 }
 
 impl Device {
-    /// Opens the device that `choice` names.
+    /// Opens the device that `choice` names, with the capabilities that the environment forces ([`DeviceOptions`]).
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`], [`Error::UnknownDevice`], [`Error::MissingFeature`] and [`Error::Forced`].
     pub fn new(instance: Arc<Instance>, choice: &DeviceChoice) -> Result<Arc<Self>> {
-        let physical = choose(instance.physical_devices()?, choice)?;
-        let capabilities = Capabilities::query(&instance, &physical)?;
+        Self::open(instance, &DeviceOptions::from_environment(choice.clone())?)
+    }
+
+    /// Opens a device by `options`.
+    ///
+    /// # Errors
+    /// As [`Device::new`].
+    pub fn open(instance: Arc<Instance>, options: &DeviceOptions) -> Result<Arc<Self>> {
+        let opened = Instant::now();
+        let physical = choose(instance.physical_devices()?, &options.choice)?;
+        let capabilities = Capabilities::query(&instance, &physical, &options.forced)?;
         let raw = create_device(&instance, &physical, &capabilities)?;
         // SAFETY: the queue family was given to the device with one queue.
         let queue = unsafe { raw.get_device_queue(capabilities.queue_family, 0) };
-        let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(capabilities.queue_family);
-        // SAFETY: the device is alive.
-        let command_pool = unsafe { raw.create_command_pool(&pool_info, None) }.during("creating the command pool")?;
         let debug_utils = instance.has_debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
         let allocator = create_allocator(&instance, &raw, physical.raw)?;
         Ok(Arc::new(Self {
             raw,
-            queue,
-            command_pool,
+            queue: Mutex::new(queue),
+            command_pools: Mutex::default(),
+            abandoned: AtomicBool::new(false),
             debug_utils,
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
             memory: Mutex::default(),
+            time_limit: options.time_limit.unwrap_or_else(|| time_limit(&physical)),
+            opened,
             capabilities,
             physical,
             instance,
@@ -82,6 +125,54 @@ impl Device {
     /// Whether the device is a CPU: lavapipe or SwiftShader.
     pub fn is_cpu(&self) -> bool {
         self.physical.kind == vk::PhysicalDeviceType::CPU
+    }
+
+    /// The queue, for one call.
+    pub(super) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
+        lock(&self.queue)
+    }
+
+    /// A command pool that nothing else uses, until [`Self::return_command_pool`].
+    pub(super) fn borrow_command_pool(&self) -> Result<vk::CommandPool> {
+        if let Some(pool) = lock(&self.command_pools).pop() {
+            return Ok(pool);
+        }
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(self.capabilities.queue_family)
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the device is alive.
+        unsafe { self.raw.create_command_pool(&info, None) }.during("creating a command pool")
+    }
+
+    /// Frees what was recorded from `pool` and keeps it for others. No submission from it runs any more, unless it was
+    /// abandoned.
+    pub(super) fn return_command_pool(&self, pool: vk::CommandPool) {
+        if self.is_abandoned() {
+            return;
+        }
+        let release = vk::CommandPoolResetFlags::RELEASE_RESOURCES;
+        // SAFETY: the pool was lent to one owner, who gives it back after its submission has been waited for.
+        match unsafe { self.raw.reset_command_pool(pool, release) } {
+            Ok(()) => lock(&self.command_pools).push(pool),
+            // SAFETY: as above; the pool's owner is gone.
+            Err(_) => unsafe { self.raw.destroy_command_pool(pool, None) },
+        }
+    }
+
+    /// Gives up a submission that may still run: from here on nothing is destroyed, for it may be in use.
+    pub(super) fn abandon(&self) {
+        self.abandoned.store(true, Ordering::Release);
+    }
+
+    fn is_abandoned(&self) -> bool {
+        self.abandoned.load(Ordering::Acquire)
+    }
+
+    /// Destroys an object of this device, unless a submission that may use it was abandoned.
+    pub(super) fn destroy(&self, destroy: impl FnOnce(&ash::Device)) {
+        if !self.is_abandoned() {
+            destroy(&self.raw);
+        }
     }
 
     pub(super) fn allocator(&self) -> MutexGuard<'_, Allocator> {
@@ -107,6 +198,9 @@ impl Device {
             *now -= bytes;
         }
         drop(guard);
+        if self.is_abandoned() {
+            return std::mem::forget(allocation);
+        }
         // Freeing fails only for an allocation that is not the allocator's.
         let _ = self.allocator().free(allocation);
     }
@@ -145,11 +239,17 @@ impl Drop for Device {
             .map(|(name, _)| *name)
             .collect::<Vec<_>>();
         debug_assert!(left.is_empty(), "device resources leaked: {left:?}");
+        if self.is_abandoned() {
+            // Its objects stay, and so must the instance.
+            return std::mem::forget(self.instance.clone());
+        }
         // SAFETY: all that was made from the device held an Arc of it, so it is gone and the queue is idle.
         unsafe {
             let _ = self.raw.device_wait_idle();
             ManuallyDrop::drop(&mut self.allocator);
-            self.raw.destroy_command_pool(self.command_pool, None);
+            for pool in lock(&self.command_pools).drain(..) {
+                self.raw.destroy_command_pool(pool, None);
+            }
             self.raw.destroy_device(None);
         }
     }
@@ -194,6 +294,11 @@ fn rank(kind: vk::PhysicalDeviceType) -> u32 {
     }
 }
 
+/// A driver resets a GPU after seconds, so that minutes are enough for what does run; a CPU takes its time.
+fn time_limit(physical: &PhysicalDevice) -> Duration {
+    Duration::from_secs(if physical.kind == vk::PhysicalDeviceType::CPU { 3600 } else { 300 })
+}
+
 fn create_device(instance: &Instance, physical: &PhysicalDevice, has: &Capabilities) -> Result<ash::Device> {
     let priorities = [1.0];
     let queues =
@@ -202,14 +307,30 @@ fn create_device(instance: &Instance, physical: &PhysicalDevice, has: &Capabilit
         .draw_indirect_first_instance(true)
         .shader_clip_distance(true)
         .multi_draw_indirect(has.multi_draw_indirect)
-        .geometry_shader(has.primitive_id);
+        .geometry_shader(has.primitive_id)
+        .logic_op(has.logic_op)
+        .full_draw_index_uint32(has.index_uint32);
     let mut features_1_1 = vk::PhysicalDeviceVulkan11Features::default().multiview(true);
     let mut features_1_2 = vk::PhysicalDeviceVulkan12Features::default().draw_indirect_count(has.draw_indirect_count);
-    let info = vk::DeviceCreateInfo::default()
+    let mut subgroups = vk::PhysicalDeviceSubgroupSizeControlFeatures::default()
+        .subgroup_size_control(true)
+        .compute_full_subgroups(true);
+    let extensions: Vec<_> = [
+        (has.portability_subset, khr::portability_subset::NAME),
+        (has.full_subgroups, ext::subgroup_size_control::NAME),
+    ]
+    .into_iter()
+    .filter_map(|(wanted, name)| wanted.then_some(name.as_ptr()))
+    .collect();
+    let mut info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
+        .enabled_extension_names(&extensions)
         .enabled_features(&features)
         .push_next(&mut features_1_1)
         .push_next(&mut features_1_2);
+    if has.full_subgroups {
+        info = info.push_next(&mut subgroups);
+    }
     // SAFETY: all pointers in `info` live through the call; every feature enabled was reported.
     unsafe { instance.raw.create_device(physical.raw, &info, None) }.during("creating the Vulkan device")
 }

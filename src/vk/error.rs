@@ -64,6 +64,31 @@ pub enum Error {
         /// The allocator's reason.
         reason: String,
     },
+    /// The driver reset the device, or it went away.
+    #[error(
+        "the device was lost during {content}: its driver has reset it (a pass that ran too long, or a fault); a smaller image, \
+         fewer triangles or another --device may run through"
+    )]
+    DeviceLost {
+        /// The pass, or the passes of the submission.
+        content: String,
+    },
+    /// A submission took longer than the device is waited for.
+    #[error("the device did not finish {content} within {seconds} s; choose another with --device")]
+    TimedOut {
+        /// The pass, or the passes of the submission.
+        content: String,
+        /// Seconds that it was waited for.
+        seconds: f64,
+    },
+    /// A forced capability is not one, or the device cannot be made to have it.
+    #[error("{FORCED}: \"{entry}\" {reason}", FORCED = super::forced::VARIABLE)]
+    Forced {
+        /// The entry.
+        entry: String,
+        /// What is wrong with it.
+        reason: String,
+    },
     /// A call returned an error code.
     #[error("{operation} failed: {result}")]
     Call {

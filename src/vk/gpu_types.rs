@@ -114,7 +114,7 @@ pub struct Material {
 pub struct Texel {
     /// Cosine-weighted solid angle; ∫ n×ω dω (x, y); layer, row and column packed (bits).
     pub weights: [f32; 4],
-    /// Local unit direction; 1/distance by depth.
+    /// Local unit direction; the fourth is not used.
     pub direction: [f32; 4],
 }
 

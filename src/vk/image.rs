@@ -85,7 +85,7 @@ impl Image {
             self.device.raw.cmd_copy_buffer_to_image(commands.raw, staging.raw, self.raw, target, &[self.whole()]);
         }
         barrier::image_layout(&commands, self, target, vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-        commands.finish()
+        commands.run(&format!("the upload of {}", self.desc.used_for))
     }
 
     /// The region of a copy of all texels of all layers.
@@ -154,6 +154,14 @@ fn check_size(device: &Device, desc: &ImageDesc) -> Result<()> {
     let limits = &device.capabilities.limits;
     let [width, height] = desc.size;
     let limit = limits.max_image_dimension2_d;
+    let (layers, most_layers) = (desc.layers.unwrap_or(1), limits.max_image_array_layers);
+    if layers > most_layers {
+        return Err(Error::Limit {
+            object: desc.used_for.into(),
+            needed: format!("{layers} layers"),
+            limit: format!("{most_layers} (maxImageArrayLayers)"),
+        });
+    }
     if width > limit || height > limit || width == 0 || height == 0 {
         return Err(Error::Limit {
             object: desc.used_for.into(),
@@ -167,10 +175,10 @@ fn check_size(device: &Device, desc: &ImageDesc) -> Result<()> {
 impl Drop for Image {
     fn drop(&mut self) {
         // SAFETY: every submission that named the image has been waited for.
-        unsafe {
-            self.device.raw.destroy_image_view(self.view, None);
-            self.device.raw.destroy_image(self.raw, None);
-        }
+        self.device.destroy(|raw| unsafe {
+            raw.destroy_image_view(self.view, None);
+            raw.destroy_image(self.raw, None);
+        });
         if let Some(allocation) = self.allocation.take() {
             self.device.free(self.desc.used_for, allocation, self.bytes);
         }
@@ -207,6 +215,6 @@ impl Sampler {
 impl Drop for Sampler {
     fn drop(&mut self) {
         // SAFETY: every submission that used the sampler has been waited for.
-        unsafe { self.device.raw.destroy_sampler(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_sampler(self.raw, None) });
     }
 }

@@ -1,8 +1,8 @@
 //! The Vulkan instance, the devices it lists and the validation messages it counts.
 
 use super::error::{Context, Error, Result};
-use ash::{Entry, ext, vk};
-use std::ffi::{CStr, c_void};
+use ash::{Entry, ext, khr, vk};
+use std::ffi::{CStr, CString, c_void};
 use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -66,6 +66,14 @@ impl Instance {
         Ok(devices.into_iter().map(|raw| self.describe(raw)).collect())
     }
 
+    /// Names of the extensions that `device` has.
+    pub(super) fn device_extensions(&self, device: vk::PhysicalDevice) -> Result<Vec<CString>> {
+        // SAFETY: the handle comes from this instance.
+        let extensions =
+            unsafe { self.raw.enumerate_device_extension_properties(device) }.during("listing extensions")?;
+        Ok(extensions.iter().filter_map(|e| e.extension_name_as_c_str().ok()).map(CStr::to_owned).collect())
+    }
+
     fn describe(&self, raw: vk::PhysicalDevice) -> PhysicalDevice {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
@@ -120,10 +128,18 @@ fn create_instance(entry: &Entry, validate: bool, debug_utils: bool) -> Result<a
         .engine_name(c"hemicube")
         .api_version(vk::API_VERSION_1_2);
     let layers: Vec<_> = validate.then_some(VALIDATION_LAYER.as_ptr()).into_iter().collect();
-    let extensions: Vec<_> = debug_utils.then_some(ext::debug_utils::NAME.as_ptr()).into_iter().collect();
+    // Drivers on top of another API (MoltenVK) are listed only when they are asked for.
+    let portability = extension_exists(entry, khr::portability_enumeration::NAME);
+    let extensions: Vec<_> = [(debug_utils, ext::debug_utils::NAME), (portability, khr::portability_enumeration::NAME)]
+        .into_iter()
+        .filter_map(|(wanted, name)| wanted.then_some(name.as_ptr()))
+        .collect();
+    let flags =
+        if portability { vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR } else { vk::InstanceCreateFlags::empty() };
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let mut info = vk::InstanceCreateInfo::default()
+        .flags(flags)
         .application_info(&application)
         .enabled_layer_names(&layers)
         .enabled_extension_names(&extensions);

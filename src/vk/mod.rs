@@ -4,6 +4,9 @@
 //! be dropped only when the GPU is done with it: every submission here is waited for ([`Commands::finish`]), so the rule
 //! holds wherever a value outlives the command recording that names it.
 //!
+//! Threads: a device may be shared; each [`Commands`] records from a command pool of its own, and the queue is locked during
+//! a submission. Waits are finite ([`Device::time_limit`]); after one that ran out, nothing of that device is destroyed.
+//!
 //! Synchronisation: [`pass::Recording::pass`] stands between passes with a full memory barrier, so that each pass sees all
 //! that went before; within a pass, render passes state their own dependencies and [`barrier`] has the rest.
 
@@ -14,6 +17,7 @@ mod commands;
 mod descriptors;
 mod device;
 mod error;
+pub mod forced;
 pub mod gpu_types;
 mod image;
 mod instance;
@@ -28,7 +32,7 @@ pub use buffer::{Buffer, Memory};
 pub use capabilities::{Capabilities, REQUIREMENTS, Requirement};
 pub use commands::Commands;
 pub use descriptors::{Binding, DescriptorSet, SetLayout};
-pub use device::{Device, DeviceChoice, MemoryUse};
+pub use device::{Device, DeviceChoice, DeviceOptions, MemoryUse};
 pub use error::{Error, Result};
 pub use image::{Image, ImageDesc, Sampler};
 pub use instance::{Instance, PhysicalDevice};

@@ -3,19 +3,18 @@
 use super::barrier;
 use super::commands::Commands;
 use super::device::Device;
-use super::error::Result;
+use super::error::{Error, Result};
 use super::timer::{Span, Timer};
 use std::sync::Arc;
-use std::time::Instant;
 
-/// One run of one pass.
+/// One run of one pass. All spans count from [`Device::opened`].
 #[derive(Clone, Copy, Debug)]
 pub struct PassTime {
     /// Name of the pass: its module, its shader folder and its row in the report.
     pub name: &'static str,
     /// On the GPU; `None` on a queue without timestamps.
     pub gpu: Option<Span>,
-    /// Recording on the CPU: begin since the recorder's start, and length, in milliseconds.
+    /// Recording on the CPU.
     pub cpu: Span,
 }
 
@@ -23,7 +22,6 @@ pub struct PassTime {
 pub struct Recorder {
     device: Arc<Device>,
     timer: Timer,
-    started: Instant,
     open: Vec<(&'static str, Span)>,
     /// Every pass that ran, in order.
     pub passes: Vec<PassTime>,
@@ -37,23 +35,53 @@ impl Recorder {
         Self {
             device: device.clone(),
             timer: Timer::new(device),
-            started: Instant::now(),
             open: Vec::new(),
             passes: Vec::new(),
             submissions: Vec::new(),
         }
     }
 
-    /// Records a submission with `record`, runs it and waits.
+    /// Records a submission with `record`, runs it and waits. After an error the recorder goes on as if it had not been.
+    ///
+    /// # Errors
+    /// Those of `record`; [`Error::DeviceLost`] and [`Error::TimedOut`] name the pass.
     pub fn submit(&mut self, record: impl FnOnce(&mut Recording<'_>) -> Result<()>) -> Result<()> {
+        let done = self.try_submit(record);
+        if done.is_err() {
+            self.timer.forget();
+            self.open.clear();
+        }
+        done
+    }
+
+    fn try_submit(&mut self, record: impl FnOnce(&mut Recording<'_>) -> Result<()>) -> Result<()> {
         let commands = Commands::begin(&self.device)?;
         let mut recording = Recording { commands, recorder: self };
         recording.stamp()?;
         record(&mut recording)?;
         recording.stamp()?;
         let Recording { commands, .. } = recording;
-        commands.finish()?;
+        self.timer.submitted();
+        commands.run("").map_err(|error| self.named(error))?;
         self.collect()
+    }
+
+    /// The error with the pass that was running, as far as its timestamps show, else with all passes of the submission.
+    fn named(&self, error: Error) -> Error {
+        let stamps = self.timer.written();
+        let running = self.open.iter().enumerate().find(|(index, _)| stamps.get(2 + 2 * index) == Some(&false));
+        let content = match running {
+            Some((_, (name, _))) => format!("the pass \"{name}\""),
+            None => {
+                let names: Vec<_> = self.open.iter().map(|(name, _)| *name).collect();
+                format!("the passes {}", names.join(", "))
+            }
+        };
+        match error {
+            Error::DeviceLost { .. } => Error::DeviceLost { content },
+            Error::TimedOut { seconds, .. } => Error::TimedOut { content, seconds },
+            other => other,
+        }
     }
 
     fn collect(&mut self) -> Result<()> {
@@ -81,13 +109,14 @@ impl Recording<'_> {
     ///
     /// lavapipe writes a timestamp when the rasteriser gets there, so that only full barriers on both sides make it true.
     pub fn pass(&mut self, name: &'static str, record: impl FnOnce(&Commands) -> Result<()>) -> Result<()> {
-        let begin = self.recorder.started.elapsed();
+        let opened = self.recorder.device.opened;
+        let begin = opened.elapsed();
         self.stamp()?;
         self.commands.device.begin_label(self.commands.raw, name);
         record(&self.commands)?;
         self.commands.device.end_label(self.commands.raw);
         self.stamp()?;
-        let end = self.recorder.started.elapsed();
+        let end = opened.elapsed();
         let cpu = Span { begin_ms: begin.as_secs_f64() * 1e3, end_ms: end.as_secs_f64() * 1e3 };
         self.recorder.open.push((name, cpu));
         Ok(())

@@ -4,7 +4,7 @@ use super::buffer::Buffer;
 use super::commands::Commands;
 use super::descriptors::{DescriptorSet, SetLayout};
 use super::device::Device;
-use super::error::{Context, Result};
+use super::error::{Context, Error, Result};
 use super::render_pass::RenderPass;
 use super::shader::{ShaderModule, Specialisation};
 use ash::vk;
@@ -26,6 +26,7 @@ pub struct PipelineLayout {
 impl PipelineLayout {
     /// A layout with these sets in order and `push_bytes` of push constants (at most 128).
     pub fn new(device: &Arc<Device>, sets: &[&SetLayout], push_bytes: u32) -> Result<Arc<Self>> {
+        check_storage_buffers(device, sets)?;
         let sets: Vec<_> = sets.iter().map(|set| set.raw).collect();
         let ranges = [vk::PushConstantRange { stage_flags: ALL_STAGES, offset: 0, size: push_bytes }];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(if push_bytes > 0 {
@@ -52,10 +53,24 @@ impl PipelineLayout {
     }
 }
 
+/// All sets together are visible to every stage, so that their storage buffers count for each.
+fn check_storage_buffers(device: &Device, sets: &[&SetLayout]) -> Result<()> {
+    let count = sets.iter().map(|set| set.storage_buffers()).sum::<u32>();
+    let most = device.capabilities.limits.max_per_stage_descriptor_storage_buffers;
+    if count > most {
+        return Err(Error::Limit {
+            object: "a shader".into(),
+            needed: format!("{count} storage buffers"),
+            limit: format!("{most} (maxPerStageDescriptorStorageBuffers)"),
+        });
+    }
+    Ok(())
+}
+
 impl Drop for PipelineLayout {
     fn drop(&mut self) {
         // SAFETY: every submission that used the layout has been waited for.
-        unsafe { self.device.raw.destroy_pipeline_layout(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_pipeline_layout(self.raw, None) });
     }
 }
 
@@ -105,7 +120,7 @@ impl ComputePipeline {
 impl Drop for ComputePipeline {
     fn drop(&mut self) {
         // SAFETY: every submission that used the pipeline has been waited for.
-        unsafe { self.device.raw.destroy_pipeline(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_pipeline(self.raw, None) });
     }
 }
 
@@ -293,6 +308,6 @@ fn blend(additive: bool) -> vk::PipelineColorBlendAttachmentState {
 impl Drop for GraphicsPipeline {
     fn drop(&mut self) {
         // SAFETY: every submission that used the pipeline has been waited for.
-        unsafe { self.device.raw.destroy_pipeline(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_pipeline(self.raw, None) });
     }
 }

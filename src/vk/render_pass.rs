@@ -198,7 +198,7 @@ fn dependencies(subpasses: u32) -> Vec<vk::SubpassDependency> {
 impl Drop for RenderPass {
     fn drop(&mut self) {
         // SAFETY: every submission that used the render pass has been waited for.
-        unsafe { self.device.raw.destroy_render_pass(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_render_pass(self.raw, None) });
     }
 }
 
@@ -230,6 +230,6 @@ impl Framebuffer {
 impl Drop for Framebuffer {
     fn drop(&mut self) {
         // SAFETY: every submission that used the framebuffer has been waited for.
-        unsafe { self.device.raw.destroy_framebuffer(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_framebuffer(self.raw, None) });
     }
 }

@@ -65,6 +65,6 @@ impl TexelBuffer {
 impl Drop for BufferView {
     fn drop(&mut self) {
         // SAFETY: every submission that read the buffer has been waited for.
-        unsafe { self.device.raw.destroy_buffer_view(self.raw, None) };
+        self.device.destroy(|raw| unsafe { raw.destroy_buffer_view(self.raw, None) });
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 const QUERIES: u32 = 512;
 
-/// Begin and end of one timed span, in milliseconds since the first timestamp of the timer.
+/// Begin and end of one timed span, in milliseconds on the clock of [`Device::opened`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
     /// Begin.
@@ -18,16 +18,20 @@ pub struct Span {
 }
 
 /// Writes timestamps and reads them back. Does nothing on queues without timestamps.
+///
+/// The clock of the queue is set by that of the CPU, as late as is needed for no timestamp to lie before its submission.
 pub(super) struct Timer {
     pools: Vec<vk::QueryPool>,
     used: u32,
-    epoch: Option<u64>,
+    /// Ticks of the first timestamp, and its milliseconds on the clock of the device.
+    epoch: Option<(u64, f64)>,
+    submitted_ms: f64,
     device: Arc<Device>,
 }
 
 impl Timer {
     pub(super) fn new(device: &Arc<Device>) -> Self {
-        Self { pools: Vec::new(), used: 0, epoch: None, device: device.clone() }
+        Self { pools: Vec::new(), used: 0, epoch: None, submitted_ms: 0.0, device: device.clone() }
     }
 
     pub(super) fn available(&self) -> bool {
@@ -50,7 +54,32 @@ impl Timer {
         Ok(self.used - 1)
     }
 
-    /// All timestamps since the last reading, in milliseconds since the first ever; the submission has been waited for.
+    /// The timestamps written so far are about to be submitted.
+    pub(super) fn submitted(&mut self) {
+        self.submitted_ms = self.device.opened.elapsed().as_secs_f64() * 1e3;
+    }
+
+    /// Drops the timestamps since the last reading: their submission failed.
+    pub(super) fn forget(&mut self) {
+        self.used = 0;
+    }
+
+    /// Which timestamps of a submission that failed were written; as many as the device still answers for.
+    pub(super) fn written(&self) -> Vec<bool> {
+        const WRITTEN: usize = 1;
+        let mut states = vec![[0_u64; 2]; self.used as usize];
+        for (pool, states) in self.pools.iter().zip(states.chunks_mut(QUERIES as usize)) {
+            let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WITH_AVAILABILITY;
+            // SAFETY: the queries belong to the pool; without WAIT the call does not block. NOT_READY leaves what is known.
+            match unsafe { self.device.raw.get_query_pool_results(*pool, 0, states, flags) } {
+                Ok(()) | Err(vk::Result::NOT_READY) => {}
+                Err(_) => return Vec::new(),
+            }
+        }
+        states.iter().map(|state| state[WRITTEN] != 0).collect()
+    }
+
+    /// All timestamps since the last reading, in milliseconds since [`Device::opened`]; the submission has been waited for.
     pub(super) fn read(&mut self) -> Result<Vec<f64>> {
         let mut ticks = vec![0_u64; self.used as usize];
         for (pool, ticks) in self.pools.iter().zip(ticks.chunks_mut(QUERIES as usize)) {
@@ -61,9 +90,12 @@ impl Timer {
         self.used = 0;
         let bits = self.device.capabilities.timestamp_bits;
         let mask = if bits >= 64 { u64::MAX } else { (1 << bits) - 1 };
-        let epoch = *self.epoch.get_or_insert(ticks.first().copied().unwrap_or(0) & mask);
         let period = self.device.capabilities.timestamp_period * 1e-6;
-        Ok(ticks.iter().map(|tick| ((tick & mask).wrapping_sub(epoch) & mask) as f64 * period).collect())
+        let first = ticks.first().copied().unwrap_or(0) & mask;
+        let (epoch, zero_ms) = self.epoch.get_or_insert((first, self.submitted_ms));
+        let since = |tick: u64| (tick.wrapping_sub(*epoch) & mask) as f64 * period;
+        *zero_ms = zero_ms.max(self.submitted_ms - since(first));
+        Ok(ticks.iter().map(|tick| *zero_ms + since(*tick)).collect())
     }
 
     fn create_pool(&self) -> Result<vk::QueryPool> {
@@ -77,7 +109,7 @@ impl Drop for Timer {
     fn drop(&mut self) {
         for pool in &self.pools {
             // SAFETY: every submission that used the pool has been waited for.
-            unsafe { self.device.raw.destroy_query_pool(*pool, None) };
+            self.device.destroy(|raw| unsafe { raw.destroy_query_pool(*pool, None) });
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::difference;
 use crate::common::{picture, small};
 use glam::{dvec3, vec3};
-use hemicube::scene::{Camera, Light, Scene, cornell, load_from_slice};
+use hemicube::scene::{Camera, Light, Limits, Scene, cornell, load_from_slice};
 
 /// Every length times `scale`.
 fn scaled(scene: &Scene, camera: &Camera, scale: f32) -> (Scene, Camera) {
@@ -68,7 +68,7 @@ fn cornell_below(node: serde_json::Value) -> Scene {
     let index = nodes.len() - 1;
     file["scenes"][0]["nodes"] = serde_json::json!([index]);
     let nothing = |_: &str| Err(std::io::ErrorKind::NotFound.into());
-    load_from_slice("below.gltf", &serde_json::to_vec(&file).unwrap(), &nothing, Default::default()).unwrap()
+    load_from_slice("below.gltf", &serde_json::to_vec(&file).unwrap(), &nothing, Limits::default()).unwrap()
 }
 
 #[test]

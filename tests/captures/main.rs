@@ -6,8 +6,10 @@ mod closed_forms;
 #[path = "../common/mod.rs"]
 mod common;
 mod fallbacks;
+mod harmonics;
 mod masks;
 mod outlines;
+mod sides;
 mod workgroups;
 
 use common::gpu;

@@ -8,7 +8,7 @@ use hemicube::image::{Picture, exr, png};
 use hemicube::reference::ward::Settings as WardSettings;
 use hemicube::reference::{Cached, Cost, Progressive, Settings, Stop, batch_for, open_batch};
 use hemicube::report::progress::{Progress, Stage};
-use hemicube::scene::{self, Background, Camera, Scene};
+use hemicube::scene::{self, Camera, Scene};
 use std::path::Path;
 
 /// Paths a pixel where nothing stops the run.
@@ -63,14 +63,8 @@ pub fn job(args: &ReferenceArgs) -> Result<Job> {
 }
 
 fn load(args: &ReferenceArgs) -> Result<Job> {
-    let mut scene = match &args.scene.scene {
-        Some(path) => scene::load(path)?,
-        None => scene::cornell(),
-    };
-    if let Some(background) = &args.scene.background {
-        scene.background = Background::parse(background)?;
-    }
-    let (camera, note) = scene.camera(args.scene.camera.as_deref())?;
+    let scene = args.scene.load()?;
+    let (camera, note) = args.scene.camera(&scene)?;
     if !args.quiet {
         scene.notes.iter().chain(&note).for_each(|note| remark!("note: {note}"));
     }

@@ -8,12 +8,12 @@
 //! hemisphere. The meridians between neighbours are edges of the translation gradient like any other, at the distance
 //! that the border's texels have; without compensation nothing moves in over the border.
 
-use super::polygons::{Cell, Corner, table as measure};
-use super::{Table, pitch};
+use super::pitch;
+use super::polygons::{Cell, Corner, Polygons};
 use glam::DVec3;
 
 /// Corners are in units of half a texel from the middle; the third number is 1 on the plane and 0 on the horizon.
-pub(super) fn table(size: u32, half_width: f64, compensated: bool) -> Table {
+pub(super) fn polygons(size: u32, half_width: f64, compensated: bool) -> Polygons {
     let pitch = pitch(size, half_width);
     let n = i64::from(size);
     let mut cells = Vec::with_capacity((size * size) as usize);
@@ -24,8 +24,7 @@ pub(super) fn table(size: u32, half_width: f64, compensated: bool) -> Table {
         let centre = DVec3::new((left + 1) as f64, (top - 1) as f64, 0.0) * pitch / 2.0 + DVec3::Z;
         cells.push(Cell { at: [0, x, y], centre, corners });
     }
-    let scale = DVec3::new(pitch / 2.0, pitch / 2.0, 1.0);
-    measure(&cells, |corner| DVec3::from_array(corner.map(|c| c as f64)) * scale)
+    Polygons { cells, scale: DVec3::new(pitch / 2.0, pitch / 2.0, 1.0) }
 }
 
 /// The square with each side that lies on the border moved down to the horizon.

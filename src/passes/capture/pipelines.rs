@@ -43,7 +43,7 @@ impl PipelineBuilder<'_> {
         let constants = |rest: &[u32]| Specialisation(rest.to_vec());
         if self.fan > 1 {
             let layout = PipelineLayout::new(self.device, &[&self.geometry.set_layout, self.frames], 8)?;
-            let fragment = self.desc.identity.then_some(spirv!("capture", "identity_fan.frag"));
+            let fragment = self.desc.identity.then_some(spirv!("capture", "identity_flat.frag"));
             let vertex = spirv!("capture", "capture_fan.vert");
             return self.pipelines(&layout, subpasses, vertex, fragment, VertexInput::None, constants);
         }

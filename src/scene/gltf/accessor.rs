@@ -45,7 +45,7 @@ impl<'a> Reader<'a> {
         components: RangeInclusive<usize>,
     ) -> Result<Self> {
         let accessor = item(&document.accessors, "accessor", index)?;
-        let (component, found) = layout(accessor)?;
+        let (component, found) = layout(accessor, components.contains(&16))?;
         if !components.contains(&found) {
             let wanted = components.start();
             return Err(Fault::invalid(format!("has {found} components an element where {wanted} are needed")));
@@ -86,6 +86,13 @@ impl<'a> Reader<'a> {
         self.element(index).map_or(0, |(bytes, component)| component.to_u32(bytes))
     }
 
+    /// The unsigned integers of element `index < count`.
+    pub fn get_indices<const N: usize>(&self, index: usize) -> [u32; N] {
+        let Some((bytes, component)) = self.element(index) else { return [0; N] };
+        let read = |i| if i < self.components { component.to_u32(&bytes[i * component.size()..]) } else { 0 };
+        std::array::from_fn(read)
+    }
+
     /// Number of components of an element.
     pub fn components(&self) -> usize {
         self.components
@@ -121,8 +128,8 @@ impl Sparse<'_> {
     }
 }
 
-/// Component and number of components of an element.
-fn layout(accessor: &json::Accessor) -> Result<(Component, usize)> {
+/// Component and number of components of an element; of 4 × 4 matrices only where `matrices` are wanted.
+fn layout(accessor: &json::Accessor, matrices: bool) -> Result<(Component, usize)> {
     let Checked::Valid(component) = accessor.component_type else {
         return Err(Fault::invalid("componentType is none that glTF knows"));
     };
@@ -134,6 +141,8 @@ fn layout(accessor: &json::Accessor) -> Result<(Component, usize)> {
         Type::Vec2 => 2,
         Type::Vec3 => 3,
         Type::Vec4 => 4,
+        // Its columns have no padding, whatever the component.
+        Type::Mat4 if matrices => 16,
         Type::Mat2 | Type::Mat3 | Type::Mat4 => return Err(Fault::invalid("holds matrices where vectors are needed")),
     };
     Ok((to_component(component.0), components))

@@ -39,6 +39,11 @@ pub fn origin(draws: &[Draw<'_>]) -> DVec3 {
             (low, high) = (low.min(p), high.max(p));
         }
     }
+    far_centre(low, high)
+}
+
+/// The centre of a box that lies far from zero compared with its size, else zero.
+pub fn far_centre(low: DVec3, high: DVec3) -> DVec3 {
     let (centre, half) = (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low);
     let far = centre.is_finite() && centre.abs().max_element() > FAR * half.max_element();
     if far { centre } else { DVec3::ZERO }
@@ -213,7 +218,7 @@ pub fn linear(transform: DMat4) -> DMat3 {
 }
 
 /// Inverse transpose up to a positive factor; also right for a transform that flattens one direction.
-fn cofactors(l: DMat3) -> DMat3 {
+pub fn cofactors(l: DMat3) -> DMat3 {
     let cofactors = DMat3::from_cols(l.y_axis.cross(l.z_axis), l.z_axis.cross(l.x_axis), l.x_axis.cross(l.y_axis));
     if l.determinant() < 0.0 { cofactors * -1.0 } else { cofactors }
 }

@@ -30,7 +30,9 @@ pub struct Document {
     /// Root nodes of each scene.
     pub scenes: Vec<SceneRoots>,
     pub scene: Option<usize>,
-    pub has_animations: bool,
+    /// As in the file: read where a pose needs them.
+    pub animations: Vec<Value>,
+    pub skins: Vec<Value>,
 }
 
 /// A node: what it carries and where it stands in its parent.
@@ -46,6 +48,8 @@ pub struct Node {
     pub translation: Option<[f64; 3]>,
     pub rotation: Option<[f64; 4]>,
     pub scale: Option<[f64; 3]>,
+    /// Weights of the mesh's morph targets, as in the file.
+    pub weights: Value,
     pub extensions: NodeExtensions,
 }
 
@@ -114,7 +118,8 @@ impl Document {
             textures: list(root.remove("textures"), "texture")?,
             scenes: list(root.remove("scenes"), "scene")?,
             scene: root.remove("scene").map(|v| parse_one(v, "scene")).transpose()?,
-            has_animations: root.get("animations").and_then(Value::as_array).is_some_and(|a| !a.is_empty()),
+            animations: raw(root.remove("animations")),
+            skins: raw(root.remove("skins")),
         };
         Ok(document.with_meshes_in_place())
     }
@@ -194,6 +199,14 @@ fn list<T: DeserializeOwned>(value: Option<Value>, kind: &str) -> Result<Vec<T>>
                 .map_err(|f| Fault::invalid(format!("{}{}", label(kind, i, name.as_deref()), &f.what[kind.len()..])))
         })
         .collect()
+}
+
+/// A list whose items are looked at later, if at all.
+fn raw(value: Option<Value>) -> Vec<Value> {
+    match value {
+        Some(Value::Array(items)) => items,
+        _ => Vec::new(),
+    }
 }
 
 fn parse_one<T: DeserializeOwned>(value: Value, kind: &str) -> Result<T> {

@@ -4,10 +4,12 @@
 //! loader understands, and read single precision only.
 
 pub(super) mod accessor;
+pub(super) mod animation;
 pub(super) mod assemble;
 pub(super) mod buffers;
 pub(super) mod compressed;
 pub(super) mod container;
+pub(super) mod deform;
 pub(super) mod document;
 pub(super) mod extensions;
 pub(super) mod lights;

@@ -1,6 +1,7 @@
 //! The node hierarchy, flattened to world transforms in double precision.
 
 use super::accessor::Reader;
+use super::animation::{NodePose, Poses};
 use super::buffers::Buffers;
 use super::document::{Document, Instancing, Node, item};
 use super::error::{Fault, Result, Within};
@@ -13,7 +14,7 @@ pub struct Placed {
 }
 
 /// All nodes under the default scene, parents before children.
-pub fn flatten(document: &Document) -> Result<Vec<Placed>> {
+pub fn flatten(document: &Document, poses: &Poses) -> Result<Vec<Placed>> {
     let parents = parents(document)?;
     let mut stack = Vec::new();
     for root in roots(document, &parents)?.into_iter().rev() {
@@ -22,7 +23,7 @@ pub fn flatten(document: &Document) -> Result<Vec<Placed>> {
     let mut placed = Vec::with_capacity(document.nodes.len());
     while let Some((index, parent)) = stack.pop() {
         let node = &document.nodes[index];
-        let to_world = parent * local(node).within(|| document.node_label(index))?;
+        let to_world = parent * local(node, poses.get(&index)).within(|| document.node_label(index))?;
         if !to_world.is_finite() {
             return Err(Fault::invalid("its world transform is not finite").within(document.node_label(index)));
         }
@@ -78,14 +79,32 @@ fn roots(document: &Document, parents: &[Option<usize>]) -> Result<Vec<usize>> {
     Ok(scene.nodes.clone())
 }
 
-/// A node's own transform.
-fn local(node: &Node) -> Result<DMat4> {
-    if let Some(matrix) = node.matrix {
-        let matrix = DMat4::from_cols_array(&matrix);
-        let affine = matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-6);
-        return if affine { Ok(matrix) } else { Err(Fault::invalid("its matrix is not affine")) };
-    }
-    trs(node.translation.map(DVec3::from), node.rotation.map(DQuat::from_array), node.scale.map(DVec3::from))
+/// A node's own transform; what the pose says of it goes before what the node says.
+fn local(node: &Node, pose: Option<&NodePose>) -> Result<DMat4> {
+    let own = || (node.translation.map(DVec3::from), node.rotation.map(DQuat::from_array), node.scale.map(DVec3::from));
+    let moved = pose.filter(|p| p.translation.is_some() || p.rotation.is_some() || p.scale.is_some());
+    let (translation, rotation, scale) = match (node.matrix, moved) {
+        (Some(matrix), None) => return affine(matrix),
+        (Some(matrix), Some(_)) => {
+            let (scale, rotation, translation) = affine(matrix)?.to_scale_rotation_translation();
+            (Some(translation), Some(rotation), Some(scale))
+        }
+        (None, _) => own(),
+    };
+    let translation = moved.and_then(|p| p.translation).map(DVec3::from).or(translation);
+    let rotation = moved.and_then(|p| p.rotation).map(DQuat::from_array).or(rotation);
+    trs(translation, rotation, moved.and_then(|p| p.scale).map(DVec3::from).or(scale))
+}
+
+fn affine(matrix: [f64; 16]) -> Result<DMat4> {
+    let matrix = DMat4::from_cols_array(&matrix);
+    let affine = matrix.row(3).abs_diff_eq(glam::DVec4::W, 1e-6);
+    if affine { Ok(matrix) } else { Err(Fault::invalid("its matrix is not affine")) }
+}
+
+/// A node's own transform; the identity for a node whose transform is broken.
+pub fn local_or_identity(document: &Document, index: usize, poses: &Poses) -> DMat4 {
+    local(&document.nodes[index], poses.get(&index)).unwrap_or(DMat4::IDENTITY)
 }
 
 fn trs(translation: Option<DVec3>, rotation: Option<DQuat>, scale: Option<DVec3>) -> Result<DMat4> {

@@ -10,6 +10,7 @@ use json::mesh::{Mode, Semantic};
 use json::validation::Checked;
 
 /// A primitive in its mesh's space. Streams have an entry a vertex, or none where the file has none.
+#[derive(Clone)]
 pub struct Primitive {
     /// Index into the document's materials.
     pub material: Option<usize>,
@@ -21,6 +22,8 @@ pub struct Primitive {
     pub uvs: [Vec<[f32; 2]>; 2],
     pub colors: Vec<[f32; 4]>,
     pub triangles: Vec<[u32; 3]>,
+    /// The file's vertex that each one is, where joints or morph targets may move it; else empty.
+    pub used: Vec<u32>,
 }
 
 /// Corners that may still be read, over all primitives.
@@ -65,7 +68,13 @@ pub fn read(
         uvs,
         colors: source.colors(&used, positions.count)?,
         triangles,
+        used: if moves(primitive) { used } else { Vec::new() },
     }))
+}
+
+/// Whether joints or morph targets may move the vertices.
+fn moves(primitive: &json::mesh::Primitive) -> bool {
+    primitive.targets.is_some() || primitive.attributes.contains_key(&Checked::Valid(Semantic::Joints(0)))
 }
 
 struct Source<'a, 'b> {

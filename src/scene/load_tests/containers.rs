@@ -40,11 +40,3 @@ fn no_prefix_of_a_file_panics() {
         assert!(result.is_err(), "{length}");
     }
 }
-
-#[test]
-fn rest_poses_are_noted() {
-    let mut file = File::triangle().set("/nodes/0/skin", json!(0));
-    file.push("animations", json!({"anything": "goes"}));
-    file.primitive()["targets"] = json!([{"POSITION": 0}]);
-    assert_eq!(file.load().notes.len(), 3);
-}

@@ -6,6 +6,7 @@ mod containers;
 mod lights;
 mod materials;
 mod placement;
+mod pose;
 mod triangles;
 
 use super::*;

@@ -1,22 +1,47 @@
 //! Radiance from outside the scene: the `--background` argument, and looking a direction up.
 
+mod read;
+
 use super::{Background, EnvironmentMap, SceneError};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
-/// Most texels of a map: 16384 × 8192.
-const MOST_TEXELS: usize = 1 << 27;
+/// Narrower maps are cut finer before they are turned.
+const TURNED: u32 = 1024;
+
+/// Extensions of files that are read as maps.
+const MAPS: [&str; 2] = ["exr", "hdr"];
 
 impl Background {
-    /// Reads `R,G,B` (W·sr⁻¹·m⁻², finite and not negative) or the name of an equirectangular `.exr` file.
+    /// Reads `R,G,B` (W·sr⁻¹·m⁻², finite and not negative), or an equirectangular map: the name of an `.exr` file, `#` and
+    /// one of its layers behind it where it has several, or of a Radiance `.hdr` file.
     pub fn parse(argument: &str) -> Result<Self, SceneError> {
-        let result = if Path::new(argument).extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
-            EnvironmentMap::load(Path::new(argument)).map(Self::Map)
+        Self::parse_noting(argument, &mut Vec::new())
+    }
+
+    /// The same; what was tolerated in the file goes to `notes`, a line each.
+    pub fn parse_noting(argument: &str, notes: &mut Vec<String>) -> Result<Self, SceneError> {
+        let (file, layer) = match argument.rsplit_once('#') {
+            Some((file, layer)) if is_map(file) => (file, Some(layer)),
+            _ => (argument, None),
+        };
+        let result = if is_map(file) {
+            EnvironmentMap::load_layer(Path::new(file), layer, notes).map(Self::Map)
         } else {
             parse_rgb(argument)
         };
         result.map_err(|what| SceneError::Background { file: argument.replace(char::is_control, " "), what })
+    }
+
+    /// The same sky, `strength` times as bright and turned by `degrees` about +Y, counter-clockwise seen from above.
+    pub fn adjusted(self, degrees: f32, strength: f32) -> Self {
+        let scaled = match self {
+            Self::Black => Self::Black,
+            Self::Constant(radiance) => Self::Constant(radiance * strength),
+            Self::Map(map) => Self::Map(map.turned(degrees).times(strength)),
+        };
+        if strength == 0.0 { Self::Black } else { scaled }
     }
 
     /// Radiance that arrives from the unit vector `direction`, W·sr⁻¹·m⁻².
@@ -38,10 +63,15 @@ impl Background {
     }
 }
 
+fn is_map(file: &str) -> bool {
+    let extension = Path::new(file).extension();
+    extension.is_some_and(|e| MAPS.iter().any(|map| e.eq_ignore_ascii_case(map)))
+}
+
 fn parse_rgb(argument: &str) -> Result<Background, String> {
     let parts: Vec<&str> = argument.split(',').collect();
     let [r, g, b] = parts[..] else {
-        return Err("is neither three numbers R,G,B nor the name of an .exr file".into());
+        return Err("is neither three numbers R,G,B nor the name of an .exr or .hdr file".into());
     };
     let mut rgb = [0.0f32; 3];
     for (value, text) in rgb.iter_mut().zip([r, g, b]) {
@@ -55,35 +85,47 @@ fn parse_rgb(argument: &str) -> Result<Background, String> {
 }
 
 impl EnvironmentMap {
-    /// Reads the first layer's `R`, `G`, `B` of an EXR file. Any shape will do; 2:1 keeps texels square.
-    pub fn load(path: &Path) -> Result<Self, String> {
-        use exr::prelude::*;
-        let headers = MetaData::read_from_file(path, false).map_err(|e| format!("cannot be read: {e}"))?.headers;
-        if headers.iter().any(|h| h.layer_size.area() > MOST_TEXELS) {
-            return Err(format!("has more than {MOST_TEXELS} texels; make it smaller"));
-        }
-        let create = |size: Vec2<usize>, _: &RgbaChannels| Self {
-            width: size.width() as u32,
-            height: size.height() as u32,
-            rgb: vec![[0.0; 3]; size.area()],
-        };
-        let set = |map: &mut Self, at: Vec2<usize>, (r, g, b, _): (f32, f32, f32, f32)| {
-            map.rgb[at.y() * map.width as usize + at.x()] = [r, g, b];
-        };
-        let image = read_first_rgba_layer_from_file(path, create, set);
-        let map = image.map_err(|e| format!("cannot be read as R, G, B: {e}"))?.layer_data.channel_data.pixels;
-        map.check()
+    /// Solid angle of each texel of a row, sr: exact, so that a row's sum is that of the zone between two heights.
+    pub fn solid_angle(&self, row: u32) -> f64 {
+        let height = |row: u32| (std::f64::consts::PI * f64::from(row) / f64::from(self.height)).cos();
+        (height(row) - height(row + 1)) * std::f64::consts::TAU / f64::from(self.width)
     }
 
-    /// The same map, or the pixel that is not a radiance.
-    fn check(self) -> Result<Self, String> {
-        match self.rgb.iter().position(|t| t.iter().any(|x| !(x.is_finite() && *x >= 0.0))) {
-            Some(i) => {
-                let (x, y) = (i as u32 % self.width, i as u32 / self.width);
-                Err(format!("pixel ({x}, {y}) is {:?}: negative or not finite", self.rgb[i]))
-            }
-            None => Ok(self),
+    /// The map between whose texels the bilinear lookup shows the same, with `factor` times as many of them along each axis.
+    pub(crate) fn finer(&self, [across, down]: [u32; 2]) -> Self {
+        let (width, height) = (self.width * across, self.height * down);
+        let at = |i: u32, factor: u32| {
+            let place = (i as f32 + 0.5) / factor as f32 - 0.5;
+            (place.floor() as i64, place - place.floor())
+        };
+        let texel = |i: usize| {
+            let ((x, fx), (y, fy)) = (at(i as u32 % width, across), at(i as u32 / width, down));
+            let row = |y| self.texel(x, y).lerp(self.texel(x + 1, y), fx);
+            row(y).lerp(row(y + 1), fy).to_array()
+        };
+        Self { width, height, rgb: (0..width as usize * height as usize).map(texel).collect() }
+    }
+
+    fn turned(self, degrees: f32) -> Self {
+        let turns = (f64::from(degrees) / 360.0).rem_euclid(1.0);
+        if turns == 0.0 {
+            return self;
         }
+        // Between texels a turn blurs by a texel: a small one.
+        let map = if self.width < TURNED { self.finer([TURNED.div_ceil(self.width), 1]) } else { self };
+        let shift = turns * f64::from(map.width);
+        let (whole, part) = (shift.floor() as i64, shift.fract() as f32);
+        let texel = |i: usize| {
+            let (x, y) = ((i % map.width as usize) as i64 + whole, (i / map.width as usize) as i64);
+            map.texel(x, y).lerp(map.texel(x + 1, y), part).to_array()
+        };
+        let rgb = (0..map.rgb.len()).map(texel).collect();
+        Self { rgb, ..map }
+    }
+
+    fn times(mut self, strength: f32) -> Self {
+        self.rgb.as_flattened_mut().iter_mut().for_each(|x| *x *= strength);
+        self
     }
 
     /// Place of a unit vector in the map, each coordinate in [0, 1], v = 0 at the top.
@@ -170,7 +212,7 @@ mod tests {
         };
         let Ok(Background::Map(m)) = write("good.exr", 3.0) else { panic!("a map") };
         assert_eq!((m.width, m.height, m.rgb[6]), (4, 2, [2.0, 1.0, 3.0]));
-        for (name, bad) in [("nan.exr", f32::NAN), ("negative.exr", -1.0), ("infinite.exr", f32::INFINITY)] {
+        for (name, bad) in [("nan.exr", f32::NAN), ("infinite.exr", f32::INFINITY)] {
             let line = write(name, bad).unwrap_err().to_string();
             assert!(line.contains("pixel (2, 1)"), "{line}");
         }

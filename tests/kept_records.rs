@@ -1,0 +1,65 @@
+//! Records that outlive a view.
+
+#![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
+
+mod common;
+
+use common::{gpu, small};
+use glam::DMat4;
+use hemicube::methods::records::Records;
+use hemicube::renderer::{Rendered, Settings, render_with};
+use hemicube::scene::{Camera, cornell};
+
+fn draw(camera: &Camera, settings: &Settings, kept: &mut Option<Records>) -> Rendered {
+    let device = gpu();
+    let before = device.instance.validation_messages();
+    let rendered = render_with(&device, &cornell(), camera, settings, kept, &mut |_, _, _| {}).unwrap();
+    assert_eq!(device.instance.validation_messages() - before, 0, "validation messages; they are printed above");
+    rendered
+}
+
+fn bits(rendered: &Rendered) -> Vec<u32> {
+    let channels = rendered.picture.rgb("irradiance").unwrap();
+    channels.iter().flat_map(|channel| channel.iter().map(|e| e.to_bits())).collect()
+}
+
+/// The same camera needs no record more, and shows the same.
+#[test]
+fn a_view_twice_is_the_same_for_nothing() {
+    let camera = cornell().cameras[0].clone();
+    for contrast in [0.0, 0.15] {
+        let mut settings = small(96);
+        settings.cache.contrast = contrast;
+        let mut kept = None;
+        let [first, second] = [(); 2].map(|()| draw(&camera, &settings, &mut kept));
+        eprintln!("contrast {contrast}: {} records, then {}", first.cache.records, second.cache.records);
+        assert!(first.cache.records > 0 && first.cache.reused == 0);
+        assert_eq!((second.cache.records, second.cache.reused), (0, first.cache.records));
+        assert!(bits(&first) == bits(&second), "the second view differs");
+    }
+}
+
+/// A moved camera needs few records more, and differs little from a view of its own.
+#[test]
+fn a_moved_view_needs_few_records_more() {
+    let first = cornell().cameras[0].clone();
+    let mut moved = first.clone();
+    moved.camera_to_world = moved.camera_to_world * DMat4::from_translation(glam::dvec3(0.1, 0.05, 0.0));
+    let (settings, mut kept) = (small(96), None);
+    draw(&first, &settings, &mut kept);
+    let again = draw(&moved, &settings, &mut kept);
+    let fresh = draw(&moved, &settings, &mut None);
+    let mut finer = small(96);
+    (finer.cache.accuracy, finer.cache.capture_size) = (0.1, 64);
+    let truth = draw(&moved, &finer, &mut None);
+    let error = |r: &Rendered| {
+        let [e, t] = [r, &truth].map(|r| r.picture.rgb("irradiance").unwrap().concat());
+        let sum: f64 = e.iter().zip(&t).map(|(e, t)| f64::from((e - t).abs())).sum();
+        sum / t.iter().map(|t| f64::from(*t)).sum::<f64>()
+    };
+    let (again_error, fresh_error) = (error(&again), error(&fresh));
+    let [added, all] = [&again, &fresh].map(|r| r.cache.records);
+    eprintln!("{added} records more instead of {all}; error {again_error:.4} instead of {fresh_error:.4}");
+    assert!(added * 3 < all, "{added} records more instead of {all}");
+    assert!(again_error <= 1.05 * fresh_error, "{again_error} instead of {fresh_error}");
+}
