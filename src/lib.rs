@@ -5,6 +5,18 @@
 //! Data goes one way: file → [`scene`] → needs → [`renderer::Plan`] → geometry on the device → G-buffer → direct light on
 //! the surfaces → records ⇄ captures → sums → [`image`] → [`report`].
 //!
+//! # What lives how long
+//!
+//! Nothing depends on what lives shorter than itself.
+//!
+//! | what | where | made by |
+//! |---|---|---|
+//! | device: queue, memory, pipelines | [`vk::Device`] | the user, once |
+//! | scene on the device: geometry, tree, textures, cells, light samples | [`renderer::Renderer`] | [`renderer::Renderer::open`]; the file and the settings of the scene |
+//! | lit surface: radiance of both sides of every cell | [`passes::geometry::Geometry::cell_radiance`] | the first view |
+//! | records: irradiance at places, with gradients | [`methods::irradiance_cache`] | each view |
+//! | view: G-buffer, sums of splats, layers of the image | [`renderer::Renderer::render`] | a camera and [`renderer::ViewSettings`] |
+//!
 //! | room | what is in it | imports |
 //! |---|---|---|
 //! | [`math`] | pure functions: measures, gradients, sequences; CPU twins of the shaders | nothing |
@@ -14,7 +26,7 @@
 //! | [`vk`] | Vulkan made plain; every `unsafe` of the renderer | nothing |
 //! | [`passes`] | one file a GPU pass, its shaders in `glsl/<same name>/` | `vk`, `scene`, `math` |
 //! | [`methods`] | techniques: passes composed | `passes` |
-//! | [`renderer`] | the plan and the frame: what a scene needs, passes in order | `methods` |
+//! | [`renderer`] | the plan, a scene that stays on the device, views of it | `methods` |
 //! | [`report`] | profile, statistics, trace, progress | `image` |
 //!
 //! # Use
@@ -36,6 +48,8 @@
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! Several views of one scene: [`renderer::Renderer`], and `examples/two_views.rs`.
 //!
 //! Units are glTF's, taken as radiometric RGB: radiance in W·sr⁻¹·m⁻², irradiance in W·m⁻², lengths in scene units.
 

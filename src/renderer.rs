@@ -1,36 +1,36 @@
-//! A frame: the plan, then its passes in order.
+//! A scene on the device, and views of it.
 //!
-//! [`Plan::of`] says what a scene needs before anything is built; [`render`] builds that and nothing else, and runs it.
+//! [`Renderer::open`] plans, uploads and builds what follows from the scene, once; [`Renderer::render`] makes views of it, one
+//! after the other. [`Plan::of`] says what a scene needs before anything is built: that is built and run, and nothing else.
+//! [`render`] does both for a single frame.
 
 mod camera;
+mod fallback;
 mod memory;
 mod output;
 mod plan;
 mod settings;
+mod surface;
+mod view;
 
 pub use memory::{TooLarge, check as check_memory, largest_of, memory_needs};
-pub use plan::{LeftOut, Plan};
-pub use settings::{Settings, SettingsError};
+pub use plan::{LeftOut, Part, Plan};
+pub use settings::{Settings, SettingsError, ViewSettings};
 
 use crate::image::Picture;
-use crate::methods::captures::{CaptureMode, NoSlices};
-use crate::methods::casters::{Casters, CoarseSurface};
-use crate::methods::direct::DirectLight;
-use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
-use crate::methods::light_samples::{TooManyLights, light_sets};
-use crate::methods::light_set::{Extent, LightSet};
+use crate::methods::captures::NoSlices;
+use crate::methods::irradiance_cache::{CacheSettings, CacheStats};
+use crate::methods::light_samples::TooManyLights;
 use crate::methods::records::Records;
-use crate::methods::{Ground, Sky};
-use crate::passes::gbuffer::{GBuffer, Targets};
-use crate::passes::geometry::Geometry;
-use crate::passes::material::Textures;
-use crate::passes::resolve::{Inputs, Plane, Resolve};
 use crate::scene::{Camera, Scene};
 use crate::vk::pass::{PassTime, Recorder};
-use crate::vk::{Buffer, Device, Error as VulkanError, Memory, MemoryUse, Span, barrier};
-use camera::View;
+use crate::vk::{Device, Error as VulkanError, MemoryUse, Span};
+use fallback::Fallback;
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
+use surface::Surface;
+use view::View;
 
 /// What can go wrong in a frame.
 #[derive(Debug, thiserror::Error)]
@@ -58,7 +58,7 @@ pub struct Rendered {
     pub picture: Picture,
     /// What ran and what did not.
     pub plan: Plan,
-    /// What went otherwise than planned, a line each, for the user.
+    /// What went otherwise than planned, since the scene was opened, a line each, for the user.
     pub warnings: Vec<String>,
     /// What the cache did.
     pub cache: CacheStats,
@@ -66,7 +66,7 @@ pub struct Rendered {
     pub passes: Vec<PassTime>,
     /// Every submission.
     pub submissions: Vec<Span>,
-    /// Stages on the CPU, on the same clock as the passes ([`Device::opened`]).
+    /// Stages on the CPU since the frame before, on the same clock as the passes ([`Device::opened`]).
     pub stages: Vec<(String, Span)>,
     /// Device memory.
     pub memory: MemoryUse,
@@ -75,11 +75,7 @@ pub struct Rendered {
 /// Hears how far a long stage is: its name, done and all.
 pub type OnProgress<'a> = &'a mut dyn FnMut(&'static str, u64, u64);
 
-/// Renders `scene` from `camera`.
-///
-/// Where the device ends the loops of captures in compute, whole workgroups share each view; where that is not enough, or the
-/// surface turns out too large for compute once it is arranged, with levels of detail and without, and nobody asked for compute,
-/// render passes capture. A warning says so, and the plan.
+/// Renders one frame of `scene` from `camera`: for more of them, keep a [`Renderer`].
 pub fn render(
     device: &Arc<Device>,
     scene: &Scene,
@@ -87,228 +83,230 @@ pub fn render(
     settings: &Settings,
     on_progress: OnProgress<'_>,
 ) -> Result<Rendered, RenderError> {
-    render_with(device, scene, camera, settings, &mut None, on_progress)
+    Renderer::open(device, scene, settings, on_progress)?.render(camera, &settings.view(), on_progress)
 }
 
-/// Renders `scene` from `camera` with the records that `kept` holds from earlier views of the same scene under the same settings of the
-/// cache, and keeps those that it adds. None are kept where the frame fails.
+/// A scene on the device, ready to be looked at from anywhere.
 ///
-/// # Errors
-/// The same as [`render`].
-pub fn render_with(
-    device: &Arc<Device>,
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-    kept: &mut Option<Records>,
-    on_progress: OnProgress<'_>,
-) -> Result<Rendered, RenderError> {
-    let (mut clock, mut settings, mut instead) = (Clock::new(device), settings.clone(), None);
-    loop {
-        match render_as_set(device, scene, camera, &settings, (kept, &mut clock), on_progress) {
-            Err(RenderError::Vulkan(VulkanError::LoopsEnded { shared: false })) => {
-                instead = Some(Instead::Workgroups);
-                settings.cache.share_views = true;
+/// What it holds follows from the scene and from the settings that it was opened with, not from any camera: geometry, the tree
+/// that captures walk, textures, the sky, light samples, the lit surface, and records. The first view lights the surface; later views
+/// take it as it is. They start from the records that there are, unless other settings of the cache ask for other records, and keep
+/// those that they add.
+///
+/// ```
+/// use hemicube::{renderer::{Renderer, Settings}, scene, vk};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let scene = scene::cornell();
+/// let device = vk::Device::new(vk::Instance::new(false)?, &vk::DeviceChoice::Best)?;
+/// let settings = Settings { width: 32, height: 32, ..Settings::default() };
+/// let mut renderer = Renderer::open(&device, &scene, &settings, &mut |_stage, _done, _all| {})?;
+/// let mut camera = scene.cameras[0].clone();
+/// for _ in 0..2 {
+///     let rendered = renderer.render(&camera, &settings.view(), &mut |_stage, _done, _all| {})?;
+///     println!("{} passes", rendered.passes.len());
+///     camera.camera_to_world.w_axis.x += 0.05;
+/// }
+/// # Ok(())
+/// # }
+/// ```
+pub struct Renderer<'a> {
+    device: Arc<Device>,
+    scene: Cow<'a, Scene>,
+    settings: Settings,
+    plan: Plan,
+    warnings: Vec<String>,
+    surface: Surface,
+    records: Option<Records>,
+    /// How the records were made.
+    records_by: CacheSettings,
+    view: Option<View>,
+    clock: Clock,
+}
+
+impl<'a> Renderer<'a> {
+    /// Plans frames of `scene` by `settings`, uploads it and builds the passes that light its surface.
+    ///
+    /// Where its surface turns out too large for captures in compute once it is arranged, with levels of detail and without, and
+    /// nobody asked for compute, render passes capture: a warning says so, and the plan.
+    pub fn open(
+        device: &Arc<Device>,
+        scene: &'a Scene,
+        settings: &Settings,
+        on_progress: OnProgress<'_>,
+    ) -> Result<Self, RenderError> {
+        settings.check(device)?;
+        let (mut clock, mut settings) = (Clock::new(device), settings.clone());
+        let prepared = match Prepared::new(device, scene, &settings, &mut clock) {
+            Err(RenderError::Memory(error)) => {
+                let fallback = Fallback::of_memory(error, &settings)?;
+                clock.lap("captures in compute, given up");
+                fallback.apply(&mut settings);
+                let mut prepared = Prepared::new(device, scene, &settings, &mut clock)?;
+                prepared.plan = fallback.plan(prepared.plan);
+                prepared.warnings.push(fallback.warning());
+                prepared
             }
-            Err(RenderError::Vulkan(VulkanError::LoopsEnded { .. })) if settings.cache.capture == CaptureMode::Auto => {
-                instead = Some(Instead::RenderPasses);
-                settings.cache.capture = CaptureMode::Hemicube;
-            }
-            Err(RenderError::Memory(error)) if settings.cache.capture == CaptureMode::Auto => {
-                instead = Some(Instead::TooLarge(error));
-                settings.cache.capture = CaptureMode::Hemicube;
-            }
-            Err(error) => {
-                *kept = None;
-                return Err(error);
-            }
-            Ok(rendered) => return Ok(rendered.drawn(instead)),
-        }
-        *kept = None;
-        clock.lap("captures in compute, given up");
+            prepared => prepared?,
+        };
+        let Prepared { scene, arrangement, mut plan, mut warnings } = prepared;
+        let surface = Surface::new(device, &scene, arrangement, &mut plan, &settings, &mut clock)?;
+        warnings.extend(surface.note());
+        let records = new_records(device, &plan, &surface, &settings)?;
+        clock.lap("build lights");
+        on_progress("build lights", 1, 1);
+        Ok(Self {
+            device: device.clone(),
+            scene,
+            records_by: settings.cache,
+            settings,
+            plan,
+            warnings,
+            surface,
+            records,
+            view: None,
+            clock,
+        })
     }
-}
 
-/// What drew a frame that was planned otherwise.
-enum Instead {
-    /// Whole workgroups, for the device had ended the loops of captures in compute.
-    Workgroups,
-    /// Render passes, for that reason.
-    RenderPasses,
-    /// Render passes, for captures in compute took too much memory.
-    TooLarge(TooLarge),
-}
+    /// Forgets the records of all views so far: the next one is what a view on its own would be.
+    pub fn forget_records(&mut self) {
+        if let Some(records) = &mut self.records {
+            records.truncate(0);
+        }
+    }
 
-impl Rendered {
-    fn drawn(mut self, instead: Option<Instead>) -> Self {
-        let (why, by) = match instead {
-            None => return self,
-            Some(Instead::Workgroups) => (LOOPS_ENDED.into(), "whole workgroups drew the frame anew"),
-            Some(Instead::RenderPasses) => {
-                (LOOPS_ENDED.into(), "render passes drew the frame anew; --capture hemicube takes them at once")
+    /// What runs for a view, and what does not.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Renders a view from `camera`.
+    ///
+    /// Its passes and targets are kept: the next view by the same settings builds and uploads nothing. The way to capture is the one
+    /// that the scene was opened with.
+    ///
+    /// Where the device ends the loops of captures in compute, whole workgroups share each view; where that is not enough, and
+    /// nobody asked for compute, render passes capture. A warning says so, and the plan. The records are made anew then, and nothing
+    /// else.
+    pub fn render(
+        &mut self,
+        camera: &Camera,
+        settings: &ViewSettings,
+        on_progress: OnProgress<'_>,
+    ) -> Result<Rendered, RenderError> {
+        let mut settings = self.settings.with_view(settings);
+        settings.check(&self.device)?;
+        self.clock.skip();
+        let mut view = self.view_of(&settings)?;
+        on_progress("build passes", 1, 1);
+        let mut recorder = Recorder::new(&self.device);
+        let ground = self.surface.ground(&self.scene);
+        let eyes = camera::View::new(&self.scene, camera, [settings.width, settings.height]);
+        view.draw(&mut recorder, &ground, &eyes)?;
+        self.surface.light(&mut recorder, &self.scene, &view.pixel_lights, on_progress)?;
+        let cache = loop {
+            let ground = self.surface.ground(&self.scene);
+            let before = self.records.as_ref().map_or(0, Records::count);
+            let stats = view.run_cache(&mut recorder, &ground, &eyes, self.records.as_mut(), on_progress);
+            if let (Err(_), Some(records)) = (&stats, &mut self.records) {
+                records.truncate(before);
             }
-            Some(Instead::TooLarge(ref error)) => {
-                (format!("captures in compute do not fit: {error}"), "render passes drew the frame")
+            match stats {
+                Err(VulkanError::LoopsEnded { shared }) => {
+                    self.give_way(Fallback::of_loops(shared, &settings)?, &mut settings);
+                    let records = self.records.as_ref();
+                    view.build_cache(&self.device, &self.surface, &self.scene, &self.plan, &settings, records)?;
+                }
+                stats => break stats?,
             }
         };
-        if !matches!(instead, Some(Instead::Workgroups)) {
-            self.plan = self.plan.of_render_passes(&why);
+        let picture = view.resolve(&mut recorder, &eyes, &mut self.clock, self.scene.origin)?;
+        self.view = Some(view);
+        Ok(Rendered {
+            picture,
+            plan: self.plan.clone(),
+            warnings: self.warnings.clone(),
+            cache,
+            passes: recorder.passes,
+            submissions: recorder.submissions,
+            stages: std::mem::take(&mut self.clock.stages),
+            memory: self.device.memory(),
+        })
+    }
+
+    /// The view that was rendered last, if its settings were these; or a new one.
+    fn view_of(&mut self, settings: &Settings) -> Result<View, RenderError> {
+        if let Some(view) = self.view.take()
+            && view.settings == *settings
+        {
+            return Ok(view);
         }
-        self.warnings.push(format!("{why}, and {by}"));
-        self
+        self.plan = self.plan.clone().of_view(settings);
+        check_memory(&self.device, &self.scene, &self.surface.size, &self.plan, settings)?;
+        if self.records_by != settings.cache {
+            self.records = new_records(&self.device, &self.plan, &self.surface, settings)?;
+            self.records_by = settings.cache;
+        }
+        let view = View::new(&self.device, &self.surface, &self.scene, &self.plan, settings, self.records.as_ref())?;
+        self.clock.lap("build passes");
+        Ok(view)
+    }
+
+    /// Captures otherwise from now on.
+    fn give_way(&mut self, fallback: Fallback, settings: &mut Settings) {
+        fallback.apply(settings);
+        fallback.apply(&mut self.settings);
+        self.records_by = settings.cache;
+        self.plan = fallback.plan(self.plan.clone());
+        self.warnings.push(fallback.warning());
+        self.clock.lap("captures in compute, given up");
     }
 }
 
-const LOOPS_ENDED: &str = "the device ended the loops of captures in compute before all was drawn";
-
-fn render_as_set(
+/// An empty store for the records of such views, if they have any.
+fn new_records(
     device: &Arc<Device>,
-    scene: &Scene,
-    camera: &Camera,
+    plan: &Plan,
+    surface: &Surface,
     settings: &Settings,
-    (kept, clock): (&mut Option<Records>, &mut Clock),
-    on_progress: OnProgress<'_>,
-) -> Result<Rendered, RenderError> {
-    settings.check(device)?;
-    let mut plan = Plan::of(scene, camera, settings, Some(device));
-    let cut = plan.cut.map(|limit| scene.tessellated(&limit));
-    let scene = cut.as_ref().unwrap_or(scene);
-    if cut.is_some() {
-        plan = Plan::of(scene, camera, settings, Some(device)).of_cut();
-        clock.lap("tessellate");
-    }
-    if plan.captures {
-        settings.cache.capture.check(device, scene, settings.cache.capture_size)?;
-    }
-    let (arrangement, mut plan, warning) = memory::arrange(device, scene, plan, settings)?;
-    clock.lap("arrange scene");
-    let size = [settings.width, settings.height];
-    let view = View::new(scene, camera, size);
-
-    // What the scene is made of.
-    let textures = Textures::new(device, scene)?;
-    let textures = textures.as_ref();
-    let geometry = Geometry::of(device, scene, arrangement)?;
-    let sky = plan.sky.then(|| Sky::new(device, &scene.background, true)).transpose()?;
-    clock.lap("upload scene");
-
-    // What is seen.
-    let gbuffer = GBuffer::new(device, scene, &geometry, textures, size, plan.emission)?;
-    // What lights it directly.
-    let extent = Extent { bounds: geometry.bounds, radius: geometry.radius };
-    let sets = light_sets(scene, extent, &settings.lights, plan.sky && plan.captures && settings.bounces > 0)?;
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let direct =
-        plan.lights.then(|| Buffer::new(device, "direct irradiance", pixels * 16, Memory::Device)).transpose()?;
-    let ground = Ground { scene, geometry: &geometry, textures };
-    let pixels = direct.as_ref().map(|direct| (&gbuffer.targets, direct));
-    let cells = plan.captures && settings.bounces > 0;
-    let coarse = plan.coarse_casters.then(|| CoarseSurface::new(device, &ground)).transpose()?.flatten();
-    if plan.coarse_casters && coarse.is_none() {
-        plan = plan.of_own_casters();
-    }
-    let lights = build_lights(device, sets, &ground, coarse.as_ref(), pixels, cells)?;
-    // What it reflects.
-    let counts_records = settings.planes.contains(&Plane::Records);
-    let features = Features {
-        sky: sky.as_ref().map(Sky::captured),
-        in_compute: plan.compute,
-        counts_records,
-        counts_work: settings.counts_work,
-    };
-    if plan.captures && kept.as_ref().is_none_or(|store| store.shape() != settings.cache.kept(sky.is_some())) {
-        *kept = Some(Records::new(device, settings.cache.kept(sky.is_some()))?);
-    }
-    let store = kept.as_mut().filter(|_| plan.captures);
-    let new_cache =
-        |store: &Records| IrradianceCache::new(device, &ground, &gbuffer.targets, store, features, settings.cache);
-    let cache = store.as_deref().map(new_cache).transpose()?;
-    // The image.
-    let inputs = Inputs {
-        gbuffer: &gbuffer.targets,
-        sums: cache.as_ref().map(|cache| &cache.splat.sums),
-        direct: direct.as_ref(),
-        sky: sky.as_ref().map(Sky::seen),
-    };
-    let resolve = Resolve::new(device, &inputs, &settings.planes)?;
-    clock.lap("build passes");
-    on_progress("build passes", 1, 1);
-
-    let mut recorder = Recorder::new(device);
-    recorder.submit(|recording| {
-        recording.pass("clear", |c| {
-            if let Some(direct) = &direct {
-                c.fill(direct, 0);
-            }
-            c.fill(&geometry.cell_radiance, 0);
-            Ok(())
-        })?;
-        recording.pass("gbuffer", |c| {
-            gbuffer.record(c, scene, &geometry, textures, view.world_to_clip, view.eye);
-            Ok(())
-        })
-    })?;
-    let total = lights.iter().map(DirectLight::sample_count).sum::<usize>() as u64;
-    let mut lit = 0;
-    for light in &lights {
-        light.run(&mut recorder, &ground, |samples| {
-            lit += samples as u64;
-            on_progress("direct light", lit, total);
-        })?;
-    }
-    let cache_stats = match cache.as_ref().zip(store) {
-        Some((cache, store)) => {
-            let viewpoint = view.viewpoint(&settings.cache, geometry.radius);
-            cache.run(&mut recorder, &ground, (&gbuffer.targets, &viewpoint), store, |_, share| {
-                on_progress("records", (share * 1000.0) as u64, 1000);
-            })?
-        }
-        None => CacheStats::default(),
-    };
-    recorder.submit(|recording| {
-        recording.pass("resolve", |c| {
-            resolve.record(c, view.clip_to_world_direction, view.axis);
-            Ok(())
-        })?;
-        recording.pass("readback", |c| {
-            barrier::full(c);
-            resolve.record_readback(c);
-            Ok(())
-        })
-    })?;
-    clock.lap("run passes");
-    let picture = output::picture(&resolve, &settings.planes, size, scene.origin);
-    clock.lap("read result");
-    Ok(Rendered {
-        picture,
-        plan,
-        warnings: warning.into_iter().chain(sky.and_then(|sky| sky.note)).collect(),
-        cache: cache_stats,
-        passes: recorder.passes,
-        submissions: recorder.submissions,
-        stages: std::mem::take(&mut clock.stages),
-        memory: device.memory(),
-    })
+) -> Result<Option<Records>, VulkanError> {
+    let new = || Records::new(device, settings.cache.kept(surface.sky.is_some()));
+    plan.captures.then(new).transpose()
 }
 
-fn build_lights<'a>(
-    device: &Arc<Device>,
-    sets: Vec<LightSet>,
-    ground: &Ground<'a>,
-    coarse: Option<&'a CoarseSurface>,
-    pixels: Option<(&Targets, &Buffer)>,
-    cells: bool,
-) -> Result<Vec<DirectLight<'a>>, VulkanError> {
-    let needed = |set: &LightSet| cells || !set.cells_only;
-    let sets: Vec<_> = sets.into_iter().filter(needed).collect();
-    let coarse = coarse.map(|coarse| Casters::coarse(device, coarse)).transpose()?.map(Arc::new);
-    let is_exact = |set: &LightSet| coarse.is_none() || !set.cells_only;
-    let exact = sets.iter().any(is_exact).then(|| Casters::exact(device, ground)).transpose()?.map(Arc::new);
-    let new = |set: LightSet| {
-        let casters = if is_exact(&set) { &exact } else { &coarse };
-        casters.as_ref().map(|casters| DirectLight::new(device, set, ground, casters, pixels, cells))
-    };
-    sets.into_iter().filter_map(new).collect()
+/// A scene that is cut and arranged as its plan says, before any of it is on the device.
+struct Prepared<'a> {
+    scene: Cow<'a, Scene>,
+    arrangement: crate::passes::geometry::Arrangement,
+    plan: Plan,
+    warnings: Vec<String>,
+}
+
+impl<'a> Prepared<'a> {
+    fn new(
+        device: &Arc<Device>,
+        scene: &'a Scene,
+        settings: &Settings,
+        clock: &mut Clock,
+    ) -> Result<Self, RenderError> {
+        let mut plan = Plan::of(scene, settings, Some(device));
+        let cut = plan.cut.as_ref().map(|limit| scene.tessellated(limit));
+        if let Some(cut) = &cut {
+            // What is finer where follows from the scene as it is, not from its pieces.
+            let foci = plan.surface_cells.foci;
+            plan = Plan::of(cut, settings, Some(device)).of_cut();
+            plan.surface_cells.foci = foci;
+            clock.lap("tessellate");
+        }
+        let scene = cut.map_or(Cow::Borrowed(scene), Cow::Owned);
+        if plan.captures {
+            settings.cache.capture.check(device, &scene, settings.cache.capture_size)?;
+        }
+        let (arrangement, plan, warning) = memory::arrange(device, &scene, plan, settings)?;
+        clock.lap("arrange scene");
+        Ok(Self { scene, arrangement, plan, warnings: warning.into_iter().collect() })
+    }
 }
 
 /// Splits the time since it was made into named stages, on the clock of the device.
@@ -322,6 +320,11 @@ impl Clock {
     fn new(device: &Device) -> Self {
         let started = device.opened;
         Self { started, last_ms: started.elapsed().as_secs_f64() * 1e3, stages: Vec::new() }
+    }
+
+    /// The time since the last stage belongs to none.
+    fn skip(&mut self) {
+        self.last_ms = self.started.elapsed().as_secs_f64() * 1e3;
     }
 
     fn lap(&mut self, name: &str) {

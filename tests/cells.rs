@@ -1,4 +1,4 @@
-//! The cells that hold the surfaces' lit radiance: where the eye is near they are finer, and each sees its share of the sky.
+//! The cells that hold the surfaces' lit radiance: beside detail they are finer, and each sees its share of the sky.
 
 #![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
 

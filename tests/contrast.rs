@@ -65,7 +65,7 @@ fn a_kink_of_the_irradiance_is_met_where_records_on_its_sides_disagree() {
 fn a_contrast_that_nothing_exceeds_changes_no_bit() {
     let (scene, camera, _) = wall_behind_a_shelf();
     let [without, with] = [0.0, 1e4].map(|contrast| draw(&scene, &camera, &settings(contrast)));
-    assert!(with.plan.run.contains(&"contrast") && !without.plan.run.contains(&"contrast"));
+    assert!(with.plan.run().contains(&"contrast") && !without.plan.run().contains(&"contrast"));
     assert_eq!(with.cache, without.cache);
     assert_same_bits(&with.picture, &without.picture, "contrast 10⁴");
 }

@@ -59,7 +59,7 @@ fn parts_left_out_change_no_pixel() {
     let compare = |what: &str, scene: &Scene, camera: &Camera, settings: Settings| {
         let full = draw(scene, camera, &Settings { full_plan: true, ..settings.clone() });
         let planned = draw(scene, camera, &settings);
-        assert!(full.plan.left_out.len() < planned.plan.left_out.len(), "{what}: the full plan leaves less out");
+        assert!(full.plan.left_out().len() < planned.plan.left_out().len(), "{what}: the full plan leaves less out");
         let (mut planned_picture, mut full_picture) = (planned.picture, full.picture);
         if full.plan.captures != planned.plan.captures {
             // Counts the work done, not light.

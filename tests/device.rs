@@ -4,7 +4,8 @@ mod common;
 
 use common::{look, small};
 use glam::DVec3;
-use hemicube::renderer::{RenderError, render};
+use hemicube::passes::resolve::Plane;
+use hemicube::renderer::{RenderError, Settings, render};
 use hemicube::scene::cornell;
 use hemicube::vk::forced::Forced;
 use hemicube::vk::pass::Recorder;
@@ -119,4 +120,41 @@ fn too_few_storage_buffers_are_refused_by_name() {
     let error = render(&device, &scene, &look(DVec3::X, DVec3::ZERO, 60.0), &small(32), &mut |_, _, _| {});
     let Err(RenderError::Vulkan(Error::Limit { limit, .. })) = error else { panic!("not refused") };
     assert!(limit.contains("maxPerStageDescriptorStorageBuffers"), "{limit}");
+}
+
+/// An image of many layers is read band by band: the same bits as in one piece.
+#[test]
+fn no_limit_of_buffers_holds_for_the_image() {
+    let scene = cornell();
+    let settings = Settings { planes: Plane::ALL.to_vec(), ..small(96) };
+    let draw = |list: &str| {
+        let device = open(forced(list));
+        let drawn = render(&device, &scene, &scene.cameras[0], &settings, &mut |_, _, _| {});
+        let picture = drawn.unwrap_or_else(|error| panic!("{list}: {error}")).picture;
+        assert_eq!(device.instance.validation_messages(), 0);
+        picture
+    };
+    // 96 × 96 pixels of 30 values are 1.1 MB.
+    let (whole, bands) = (draw(""), draw("storage_range=1000000"));
+    assert_eq!(whole.channels.len(), bands.channels.len());
+    for ((name, a), (_, b)) in whole.channels.iter().zip(&bands.channels) {
+        assert!(a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits()), "{name} differs");
+    }
+}
+
+#[test]
+fn compiled_pipelines_are_kept_and_torn_files_ignored() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let options = DeviceOptions { cache_directory: Some(folder.path().into()), ..DeviceOptions::default() };
+    let note = || open(options.clone()).pipeline_cache_note().to_owned();
+    let first = note();
+    assert!(first.contains(" yet"), "{first}");
+    let files: Vec<_> =
+        std::fs::read_dir(folder.path()).expect("a folder").map(|e| e.expect("a file").path()).collect();
+    assert_eq!(files.len(), 1, "one file for the device, and no temporary one: {files:?}");
+    assert!(note().contains("kB of"));
+    std::fs::write(&files[0], b"torn").expect("written");
+    let torn = note();
+    assert!(torn.contains("ignored"), "{torn}");
+    assert!(note().contains("kB of"), "it is written anew");
 }

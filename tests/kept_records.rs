@@ -5,15 +5,17 @@
 mod common;
 
 use common::{gpu, small};
-use glam::DMat4;
-use hemicube::methods::records::Records;
-use hemicube::renderer::{Rendered, Settings, render_with};
+use glam::dvec3;
+use hemicube::renderer::{Rendered, Renderer, Settings};
 use hemicube::scene::{Camera, cornell};
 
-fn draw(camera: &Camera, settings: &Settings, kept: &mut Option<Records>) -> Rendered {
-    let device = gpu();
+/// Views of the Cornell box, one after the other, with the records of those before.
+fn draw(cameras: &[&Camera], settings: &Settings) -> Vec<Rendered> {
+    let (device, scene) = (gpu(), cornell());
     let before = device.instance.validation_messages();
-    let rendered = render_with(&device, &cornell(), camera, settings, kept, &mut |_, _, _| {}).unwrap();
+    let mut renderer = Renderer::open(&device, &scene, settings, &mut |_, _, _| {}).unwrap();
+    let mut view = |camera: &&Camera| renderer.render(camera, &settings.view(), &mut |_, _, _| {}).unwrap();
+    let rendered = cameras.iter().map(&mut view).collect();
     assert_eq!(device.instance.validation_messages() - before, 0, "validation messages; they are printed above");
     rendered
 }
@@ -30,12 +32,12 @@ fn a_view_twice_is_the_same_for_nothing() {
     for contrast in [0.0, 0.15] {
         let mut settings = small(96);
         settings.cache.contrast = contrast;
-        let mut kept = None;
-        let [first, second] = [(); 2].map(|()| draw(&camera, &settings, &mut kept));
+        let views = draw(&[&camera, &camera], &settings);
+        let (first, second) = (&views[0], &views[1]);
         eprintln!("contrast {contrast}: {} records, then {}", first.cache.records, second.cache.records);
         assert!(first.cache.records > 0 && first.cache.reused == 0);
         assert_eq!((second.cache.records, second.cache.reused), (0, first.cache.records));
-        assert!(bits(&first) == bits(&second), "the second view differs");
+        assert!(bits(first) == bits(second), "the second view differs");
     }
 }
 
@@ -44,14 +46,13 @@ fn a_view_twice_is_the_same_for_nothing() {
 fn a_moved_view_needs_few_records_more() {
     let first = cornell().cameras[0].clone();
     let mut moved = first.clone();
-    moved.camera_to_world = moved.camera_to_world * DMat4::from_translation(glam::dvec3(0.1, 0.05, 0.0));
-    let (settings, mut kept) = (small(96), None);
-    draw(&first, &settings, &mut kept);
-    let again = draw(&moved, &settings, &mut kept);
-    let fresh = draw(&moved, &settings, &mut None);
+    moved.camera_to_world.w_axis += dvec3(0.1, 0.05, 0.0).extend(0.0);
+    let settings = small(96);
+    let again = draw(&[&first, &moved], &settings).remove(1);
+    let fresh = draw(&[&moved], &settings).remove(0);
     let mut finer = small(96);
     (finer.cache.accuracy, finer.cache.capture_size) = (0.1, 64);
-    let truth = draw(&moved, &finer, &mut None);
+    let truth = draw(&[&moved], &finer).remove(0);
     let error = |r: &Rendered| {
         let [e, t] = [r, &truth].map(|r| r.picture.rgb("irradiance").unwrap().concat());
         let sum: f64 = e.iter().zip(&t).map(|(e, t)| f64::from((e - t).abs())).sum();

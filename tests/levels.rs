@@ -10,7 +10,7 @@ use common::{Builder, draw, holds, look, small};
 use glam::{Vec3, dvec3, vec3};
 use hemicube::image::metrics::measure;
 use hemicube::methods::captures::CaptureMode;
-use hemicube::renderer::Settings;
+use hemicube::renderer::{Part, Settings};
 use hemicube::scene::{Background, Camera, Light, Scene, cornell};
 
 /// A bright room full of finely cut balls, some of which hide others.
@@ -45,7 +45,7 @@ fn check(scene: &Scene, camera: &Camera) {
         draw(scene, camera, &settings)
     };
     let [all, levels] = [0.0, Settings::default().cache.lod_error].map(in_compute);
-    assert!(levels.plan.levels && !all.plan.levels, "{} triangles", scene.triangles.len());
+    assert!(levels.plan.runs(Part::Levels) && !all.plan.runs(Part::Levels), "{} triangles", scene.triangles.len());
     let [test, exact] = [&levels, &all].map(|r| r.picture.layer("irradiance").unwrap());
     let m = measure(&test, &exact, 64, None);
     eprintln!(
@@ -97,7 +97,11 @@ fn hills() -> (Scene, Camera) {
 fn a_sky_lights_hills_the_same_by_coarser_ones() {
     let (scene, camera) = hills();
     let [exact, coarse] = [0.0, Settings::default().cache.lod_error].map(|e| draw(&scene, &camera, &settings(e)));
-    assert!(coarse.plan.coarse_casters && !exact.plan.coarse_casters, "{:?}", coarse.plan.left_out);
+    assert!(
+        coarse.plan.runs(Part::CoarseCasters) && !exact.plan.runs(Part::CoarseCasters),
+        "{:?}",
+        coarse.plan.left_out()
+    );
     let [test, truth] = [&coarse, &exact].map(|r| r.picture.layer("irradiance").unwrap());
     let m = measure(&test, &truth, 64, None);
     eprintln!("hills: {:.2} %, p99 {:.1} %, energy {:?}", m.mae * 1e2, m.p99 * 1e2, m.energy);
@@ -122,7 +126,7 @@ fn what_is_closed_is_dark_inside_by_coarse_casters() {
     for (x, side) in [(-2.0, "ball"), (2.0, "box")] {
         let camera = look(dvec3(x, 0.3, 1.2), dvec3(x + 0.2, -0.2, 0.0), 90.0);
         let rendered = draw(&scene, &camera, &settings(Settings::default().cache.lod_error));
-        assert!(rendered.plan.coarse_casters, "{:?}", rendered.plan.left_out);
+        assert!(rendered.plan.runs(Part::CoarseCasters), "{:?}", rendered.plan.left_out());
         let layer = rendered.picture.layer("irradiance").unwrap();
         let most = layer.channels.iter().flat_map(|c| c.iter()).fold(0.0f32, |most, e| most.max(*e)) / SKY;
         eprintln!("{side}: {most:e} of the sky");

@@ -10,7 +10,7 @@ use glam::{Vec3, dvec3, vec3};
 use hemicube::methods::captures::CaptureMode;
 use hemicube::passes::cluster_tree::Detail;
 use hemicube::passes::geometry::{Arrangement, CellBudget, Geometry, SurfaceSize, needs};
-use hemicube::renderer::{Plan, RenderError, Rendered, Settings, TooLarge, memory_needs, render};
+use hemicube::renderer::{Part, Plan, RenderError, Rendered, Settings, TooLarge, memory_needs, render};
 use hemicube::scene::{Light, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::sync::Arc;
@@ -128,7 +128,7 @@ fn levels_that_do_not_fit_are_known_once_they_are_made() {
     // Left to itself, a GPU takes render passes in any case.
     if device.is_cpu() {
         let rendered = rendered.unwrap();
-        says_why(&rendered, "levels of detail", "for capture corners, above the 9600 kB");
+        says_why(&rendered, Part::Levels, "for capture corners, above the 9600 kB");
         assert!(rendered.passes.iter().any(|pass| pass.name == "capture_compute") && rendered.warnings.len() == 1);
     }
 }
@@ -136,10 +136,10 @@ fn levels_that_do_not_fit_are_known_once_they_are_made() {
 /// Memory for the surface and the image but for no tree: render passes capture, and say why.
 #[test]
 fn where_no_tree_fits_render_passes_capture() {
-    let (scene, view) = (sphere(200), look(dvec3(0.0, 0.0, 1.0), dvec3(0.0, 0.0, 0.0), 60.0));
+    let scene = sphere(200);
     let bytes = |device: &Device, capture| {
         let settings = settings(capture);
-        let plan = Plan::of(&scene, &view, &settings, Some(device));
+        let plan = Plan::of(&scene, &settings, Some(device));
         let size = SurfaceSize::least(&scene, &plan.surface_cells, plan.detail());
         memory_needs(device, &scene, &size, &plan, &settings).iter().map(|need| need.bytes).sum::<u64>()
     };
@@ -150,7 +150,7 @@ fn where_no_tree_fits_render_passes_capture() {
     });
     let rendered = rendered.unwrap();
     if device.is_cpu() {
-        says_why(&rendered, "capture_compute", "of device memory (");
+        says_why(&rendered, Part::CaptureCompute, "of device memory (");
         assert_eq!(rendered.warnings.len(), 1);
     }
     assert!(rendered.passes.iter().any(|pass| pass.name == "capture"));
@@ -173,12 +173,12 @@ fn corners_that_are_only_drawn_fit_where_captures_in_compute_do_not() {
     let rendered = rendered.unwrap();
     assert!(device.memory().by_use.contains_key("unshared corners") && rendered.warnings.is_empty());
     if device.is_cpu() {
-        says_why(&rendered, "capture_compute", "57984 texels, and a texel buffer of the device holds 32768");
+        says_why(&rendered, Part::CaptureCompute, "57984 texels, and a texel buffer of the device holds 32768");
         assert!(rendered.passes.iter().any(|pass| pass.name == "capture"));
     }
 }
 
-fn says_why(rendered: &Rendered, part: &str, words: &str) {
-    let why = &rendered.plan.left_out.iter().find(|left| left.pass == part).unwrap().why;
+fn says_why(rendered: &Rendered, part: Part, words: &str) {
+    let why = rendered.plan.why_not(part).unwrap();
     assert!(why.contains(words), "{why}");
 }

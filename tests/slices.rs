@@ -259,7 +259,7 @@ fn the_sky_is_seen_beside_voxels_and_through_them() {
         let masked = b.material(Material { base_texture, alpha_cutoff: Some(0.5), ..diffuse(0.8) });
         b.floor(masked, 3.0, 2.9);
         b.background(Background::Constant(Vec3::ONE));
-        b.build().tessellated(&SideLimit { longest: 0.3, eye: None })
+        b.build().tessellated(&SideLimit::even(0.3))
     };
     let device = gpu();
     let places = turned(vec3(0.1, 0.0, -0.2), 16);
@@ -318,13 +318,13 @@ fn slices_stand_in_the_plan() {
     }
     let (scene, camera) = cut_cornell();
     let rendered = frame_of(&scene, &camera, CaptureMode::Compute);
-    assert!(rendered.plan.left_out.iter().any(|left| left.pass == "slices" && left.why.contains("--capture slices")));
+    assert!(rendered.plan.left_out().iter().any(|left| left.pass == "slices" && left.why.contains("--capture slices")));
     assert!(rendered.passes.iter().all(|pass| pass.name != "slices"));
     let mut settings = small(SIDE);
     settings.cache.capture = slices(16, 4.0);
     let device = device();
     let rendered = render(&device, &scene, &camera, &settings, &mut |_, _, _| {}).unwrap();
-    assert!(rendered.plan.run.contains(&"slices"));
+    assert!(rendered.plan.run().contains(&"slices"));
     assert_eq!(rendered.passes.iter().filter(|pass| pass.name == "slices").count(), 1);
     let size = SurfaceSize::about(&scene, &rendered.plan.surface_cells, rendered.plan.detail());
     let needs = hemicube::renderer::memory_needs(&device, &scene, &size, &rendered.plan, &settings);

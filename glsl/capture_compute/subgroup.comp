@@ -1,17 +1,6 @@
-// A workgroup is one subgroup: no invocation waits for another, and each may ask the next.
+// A workgroup is one subgroup, which sums the face that it draws: no invocation waits for another, and each may ask the next.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_shuffle : require
 #define SUMMING
-
-// All invocations are here before one goes on, and see what others wrote to shared memory.
-void meet() { subgroupBarrier(); }
-
-// Of the invocations that want a place in a row, in their order: how many come before this one, how many there are.
-uvec2 places(bool wanted) {
-    uvec4 who = subgroupBallot(wanted);
-    return uvec2(subgroupBallotExclusiveBitCount(who), subgroupBallotBitCount(who));
-}
-
+#include "capture_compute/subgroup.glsl"
 #include "capture_compute/body.glsl"

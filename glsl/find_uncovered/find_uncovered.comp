@@ -15,7 +15,7 @@ layout(set = 0, binding = 1) uniform texture2D accumulated;
 layout(set = 0, binding = 2, std430) buffer Groups { uint groups[]; };
 layout(set = 0, binding = 3, std430) buffer Found { uint found_count; uint pixels[]; };
 layout(set = 0, binding = 4) uniform texture2D tally;  // of the splats
-layout(set = 0, binding = 5, std430) buffer Settled { uint settled[]; };  // of each pixel: earlier views' records cover it
+layout(set = 0, binding = 5, std430) buffer Settled { uint settled[]; };  // a bit a pixel: earlier views' records cover it
 layout(push_constant) uniform Push { uvec2 size; uvec2 offset; uvec2 lattice; uint stride; float covered; float contrast; } push;
 
 shared uint sums[GROUP];
@@ -69,8 +69,8 @@ void main() {
         float weight = texelFetch(accumulated, ivec2(pixel), 0).w;
         bool bare = weight < push.covered;
         uint number = pixel.y * push.size.x + pixel.x;
-        if (PHASE == 3) settled[number] = bare ? 0 : 1;
-        bool asks = HAS_CONTRAST != 0 && push.contrast > 0.0 && !bare && settled[number] == 0;
+        if (PHASE == 3 && !bare) atomicOr(settled[number / 32], 1u << number % 32);
+        bool asks = HAS_CONTRAST != 0 && push.contrast > 0.0 && !bare && (settled[number / 32] >> number % 32 & 1u) == 0;
         open = bare || (asks && disputed(ivec2(pixel), weight));
     }
     if (PHASE == 3) return;

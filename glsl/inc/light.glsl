@@ -12,6 +12,13 @@ Arriving light_from_disc(LightSample light, vec3 p, vec3 power) {
     return Arriving(w, power * (max(-dot(w, light.direction.xyz), 0.0) / (distance2 + light.position.w)));
 }
 
+// 1 − cos of the angle between −d and the axis: sin²/(1 + cos), for small angles are lost in the cosine.
+float versine(vec3 d, float distance2, vec3 axis) {
+    vec3 across = cross(d, axis);
+    float cosine = -dot(d, axis) * inversesqrt(max(distance2, 1e-30));
+    return cosine > 0.0 ? dot(across, across) / (max(distance2, 1e-30) * (1.0 + cosine)) : 1.0 - cosine;
+}
+
 Arriving light_arriving(LightSample light, vec3 p) {
     if (LIGHT_KIND == LIGHT_DIRECTIONAL) return Arriving(-light.direction.xyz, light.power.rgb);
     if (LIGHT_KIND == LIGHT_AREA) return light_from_disc(light, p, light.power.rgb);
@@ -19,6 +26,6 @@ Arriving light_arriving(LightSample light, vec3 p) {
     float distance2 = dot(d, d);
     vec3 w = d * inversesqrt(max(distance2, 1e-30));
     if (LIGHT_KIND == LIGHT_POINT) return Arriving(w, light.power.rgb / max(distance2, 1e-30));
-    float cosine = -dot(w, light.direction.xyz), falloff = clamp((cosine - light.direction.w) * light.power.w, 0.0, 1.0);
+    float falloff = clamp((light.direction.w - versine(d, distance2, light.direction.xyz)) * light.power.w, 0.0, 1.0);
     return Arriving(w, light.power.rgb * (falloff * falloff / max(distance2, 1e-30)));
 }

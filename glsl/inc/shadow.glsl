@@ -14,6 +14,8 @@
 const float SHADOW_GRAIN = 1e-4;
 // The same where the map alone decides: neighbours of a curved surface stand over its tangent plane.
 const float SHADOW_SLACK = 2e-3;
+// Relative depth that single precision does not tell apart.
+const float SHADOW_LEAST = 1e-6;
 // Triangles that are tested for a point, at most.
 const uint SHADOW_STEPS = 32;
 // Triangles in a row of their image.
@@ -61,9 +63,11 @@ ShadowPlace shadow_place(uint tile, vec3 p, vec3 n) {
     s.here = SHADOW_PARALLEL ? 1.0 - f.z * unit : unit / f.z;
     s.step_ = nf.xy * (unit / facing) * vec2(2.0, -2.0) / (float(SHADOW_SIZE) * scale);
     s.plane = s.here - dot(s.step_, s.texel);
-    s.grain = SHADOW_GRAIN * (SHADOW_PARALLEL ? 0.1 : s.here);
-    s.slack = SHADOW_SLACK * (SHADOW_PARALLEL ? 0.25 * unit / frame.tangent.w : s.here);
-    s.furthest = s.here + (SHADOW_PARALLEL ? 16.0 * unit / (frame.tangent.w * float(SHADOW_SIZE)) : s.here);
+    // Of what a far light sees, the depths differ by a small share of the distance.
+    float depths = SHADOW_PARALLEL ? 1.0 : frame.normal.w * s.here, least = SHADOW_PARALLEL ? 0.0 : SHADOW_LEAST * s.here;
+    s.grain = max(SHADOW_GRAIN * (SHADOW_PARALLEL ? 0.1 : depths), least);
+    s.slack = max(SHADOW_SLACK * (SHADOW_PARALLEL ? 0.25 * unit / frame.tangent.w : depths), least);
+    s.furthest = s.here + (SHADOW_PARALLEL ? 16.0 * unit / (frame.tangent.w * float(SHADOW_SIZE)) : depths);
     s.toward = SHADOW_PARALLEL ? -frame.normal.xyz : frame.origin.xyz - p;
     return s;
 }

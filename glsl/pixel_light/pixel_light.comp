@@ -22,7 +22,7 @@ layout(set = 0, binding = 3) uniform utexture2DArray shadow_identity;
 layout(set = 0, binding = 4) uniform utexture2D triangles;
 layout(set = 0, binding = 5) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 6) uniform utexture2D gbuffer_normals;
-layout(set = 0, binding = 7, std430) buffer Direct { vec4 direct[]; };
+layout(set = 0, binding = 7, rgba32f) uniform image2D direct;
 layout(set = 0, binding = 8, std430) readonly buffer Faces { EmitterFace faces[]; };
 layout(push_constant) uniform Push { uint width; uint height; uint count; float lift; } push;  // count: of faces or samples
 
@@ -99,5 +99,5 @@ void main() {
     for (uint i = 0; i < HAS_FACES * push.count; ++i) {
         sum += face_light(faces[i], at);
     }
-    direct[pixel] += vec4(sum, 0.0);
+    imageStore(direct, xy, imageLoad(direct, xy) + vec4(sum, 0.0));
 }

@@ -7,7 +7,7 @@ struct Frame {
     vec4 origin;     // xyz; w: near distance
     vec4 tangent;    // xyz; w: 1/tan(half aperture), 1/half width for an orthographic view
     vec4 bitangent;  // xyz; w: the same along the other axis
-    vec4 normal;     // xyz: axis; w: 1/depth range of an orthographic view
+    vec4 normal;     // xyz: axis; w: 1/depth range of an orthographic view; of a perspective one the share of its depth that matters
     vec4 horizon;    // plane (n, -n·origin): only points with a positive distance are seen; (0, 0, 0, 1) sees all
 };
 
@@ -42,7 +42,7 @@ struct Payload {
 // One sample of a light: a punctual light, or a point on an emissive triangle.
 struct LightSample {
     vec4 position;   // xyz; w: disc radius² of an area sample (its area / π)
-    vec4 direction;  // axis: where a directional light goes, a spot points, an emitter faces; w: cosine of a spot's outer angle
+    vec4 direction;  // axis: where a directional light goes, a spot points, an emitter faces; w: 1 − cos of a spot's outer angle
     vec4 power;      // irradiance (directional), intensity (point, spot), radiance × area (area sample); w: 1/(cos inner − cos outer)
 };
 

@@ -7,7 +7,7 @@ use clap::Args;
 use hemicube::methods::rates::Rates;
 use hemicube::passes::geometry::SurfaceSize;
 use hemicube::renderer::{Plan, Settings, check_memory, largest_of, memory_needs};
-use hemicube::scene::{Camera, Scene};
+use hemicube::scene::Scene;
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
 use std::process::ExitCode;
 
@@ -29,15 +29,15 @@ pub struct InfoArgs {
 pub fn run(args: &InfoArgs) -> Result<ExitCode> {
     if args.scene.scene.is_some() {
         let scene = args.scene.load()?;
-        let (camera, note) = args.scene.camera(&scene)?;
-        describe(&scene, &camera, note.as_deref());
+        let (_, note) = args.scene.camera(&scene)?;
+        describe(&scene, note.as_deref());
     } else {
         devices(args.measure)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
+fn describe(scene: &Scene, note: Option<&str>) {
     let (low, high) = scene.bounds();
     say!("scene      {}", scene.name);
     say!("triangles  {}", scene.triangles.len());
@@ -57,7 +57,7 @@ fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
     let settings = Settings::default();
     // Without a device there is still much to say.
     let device = Instance::new(false).and_then(|instance| Device::new(instance, &DeviceChoice::Best)).ok();
-    let plan = Plan::of(scene, camera, &settings, device.as_deref());
+    let plan = Plan::of(scene, &settings, device.as_deref());
     if let Some(device) = &device {
         let size = SurfaceSize::about(scene, &plan.surface_cells, plan.detail());
         let needs = memory_needs(device, scene, &size, &plan, &settings);
@@ -65,8 +65,8 @@ fn describe(scene: &Scene, camera: &Camera, note: Option<&str>) {
         say!("memory     about {} MB of {}: {}, …", bytes / 1_000_000, device.physical.name, largest_of(&needs));
         check_memory(device, scene, &size, &plan, &settings).err().into_iter().for_each(|e| say!("note       {e}"));
     }
-    say!("\nruns       {}", plan.run.join(", "));
-    for left in &plan.left_out {
+    say!("\nruns       {}", plan.run().join(", "));
+    for left in plan.left_out() {
         say!("left out   {} ({})", left.pass, left.why);
     }
 }

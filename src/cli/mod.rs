@@ -8,6 +8,7 @@ mod compare;
 mod convergence;
 mod export;
 mod info;
+mod probe;
 mod reference;
 mod render;
 pub mod say;
@@ -31,6 +32,7 @@ enum Command {
     Convergence(Box<convergence::ConvergenceArgs>),
     Export(export::ExportArgs),
     Info(info::InfoArgs),
+    Probe(probe::ProbeArgs),
     Reference(Box<reference::ReferenceArgs>),
 }
 
@@ -51,6 +53,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
         Command::Convergence(args) => convergence::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),
+        Command::Probe(args) => probe::run(&args),
         Command::Reference(args) => reference::run(&args),
     }?;
     say::finish()?;
@@ -87,7 +90,7 @@ mod tests {
         assert_eq!(code(lost().into()), three);
         assert_eq!(code(RenderError::from(lost()).into()), three);
         assert_eq!(code(ProbeError::from(lost()).into()), three);
-        let wrapped = Err::<(), _>(ProbeError::from(lost())).context("measuring").map_err(anyhow::Error::from);
+        let wrapped = Err::<(), _>(ProbeError::from(lost())).context("measuring");
         assert_eq!(code(wrapped.unwrap_err()), three);
         assert_eq!(code(anyhow::anyhow!("no such file")), format!("{:?}", ExitCode::from(2)));
     }

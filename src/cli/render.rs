@@ -11,7 +11,7 @@ use super::common::{TalkArgs, check_output};
 use anyhow::{Result, bail};
 use hemicube::image::tone::Look;
 use hemicube::image::{exr, png};
-use hemicube::renderer::{Rendered, Settings, render};
+use hemicube::renderer::{Rendered, Renderer, Settings};
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
 use hemicube::vk::Device;
@@ -37,8 +37,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let mut report = Report::new(args.talk, started, &device);
     report.stage("load scene", loaded);
     report.stage("open device", started.elapsed() - loaded);
-    report.scene(&scene, &camera, note.as_deref(), &settings);
-    let rendered = run_with_progress(&device, &scene, &camera, &settings, args.talk)?;
+    report.scene(&scene, note.as_deref(), &settings);
+    let rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
     report.check(&rendered);
     let writing = Instant::now();
     match picture_kind {
@@ -58,19 +58,22 @@ fn run_with_progress(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
+    report: &Report,
     talk: TalkArgs,
 ) -> Result<Rendered> {
     let progress = Progress::new(talk.quiet);
     let mut stage: Option<(&'static str, Stage)> = None;
-    let rendered = render(device, scene, camera, settings, &mut |name, done, all| {
+    let mut hear = |name, done, all| {
         if stage.as_ref().is_none_or(|(current, _)| *current != name) {
             stage = Some((name, progress.stage(name, all)));
         }
         if let Some((_, stage)) = &stage {
-            stage.advance(done.saturating_sub(stage.done()));
+            stage.advance(u64::saturating_sub(done, stage.done()));
         }
-    })?;
-    Ok(rendered)
+    };
+    let mut renderer = Renderer::open(device, scene, settings, &mut hear)?;
+    report.plan(renderer.plan());
+    Ok(renderer.render(camera, &settings.view(), &mut hear)?)
 }
 
 /// Kind of the output file.

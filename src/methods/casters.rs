@@ -21,37 +21,40 @@ const ERROR: f32 = 0.5;
 const WORTH: f32 = 0.5;
 
 /// What casts shadows.
-pub struct Casters<'a> {
-    /// The triangles' scene.
-    pub scene: &'a Scene,
-    /// They themselves.
-    pub geometry: &'a Geometry,
+pub struct Casters {
+    /// What stands for the surface; none where that casts its own.
+    coarse: Option<CoarseSurface>,
     /// Their corners, each with the triangle across the edge opposite to it.
     pub triangles: Image,
     /// How far they are off the surface that receives; 0: they are that surface.
     pub error: f32,
 }
 
-impl<'a> Casters<'a> {
+impl Casters {
     /// The surface itself.
-    pub fn exact(device: &Arc<Device>, ground: &Ground<'a>) -> Result<Self> {
-        Self::of(device, ground.scene, ground.geometry, 0.0)
+    pub fn exact(device: &Arc<Device>, ground: &Ground<'_>) -> Result<Self> {
+        let triangles = ground.geometry.linked_triangles(device, &ground.scene.positions)?;
+        Ok(Self { coarse: None, triangles, error: 0.0 })
     }
 
     /// What stands for it.
-    pub fn coarse(device: &Arc<Device>, coarse: &'a CoarseSurface) -> Result<Self> {
-        Self::of(device, &coarse.scene, &coarse.geometry, coarse.error)
+    pub fn coarse(device: &Arc<Device>, coarse: CoarseSurface) -> Result<Self> {
+        let triangles = coarse.geometry.linked_triangles(device, &coarse.scene.positions)?;
+        Ok(Self { error: coarse.error, coarse: Some(coarse), triangles })
+    }
+
+    /// The surface that casts shadows on `own`.
+    pub fn surface<'a>(&'a self, own: &Ground<'a>) -> Ground<'a> {
+        match &self.coarse {
+            Some(CoarseSurface { scene, geometry, .. }) => Ground { scene, geometry, textures: own.textures },
+            None => *own,
+        }
     }
 
     /// How far receivers stand off their surface. Places are off by more than quadrics say, which are means: by the error once,
     /// hills under a sky are 1 % too dark, by 1.5 times that 1 % too bright.
     pub fn lift(&self) -> f32 {
         1.25 * self.error
-    }
-
-    fn of(device: &Arc<Device>, scene: &'a Scene, geometry: &'a Geometry, error: f32) -> Result<Self> {
-        let triangles = geometry.linked_triangles(device, &scene.positions)?;
-        Ok(Self { scene, geometry, triangles, error })
     }
 }
 

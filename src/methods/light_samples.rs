@@ -4,11 +4,12 @@
 //! bright regions of the sky. The rest of the sky is a set of parallel lights for the surface cells alone; pixels see it by
 //! their records' captures.
 
-use super::emitter_samples::add_emitters;
+use super::emitter_samples::{EmitterSets, add_emitters};
+use super::far_view::Receivers;
 use super::light_set::{Extent, LightSet, LightSettings, NEAR, frame, parallel_frame, parallel_sample, with};
 use super::sky::{SKY_SHADOW_SIZE, add_sky, add_suns, sky_stride};
-use crate::passes::shadow::LightKind;
-use crate::passes::views::Views;
+use crate::passes::shadow::LightKind::{Area, Directional, Point, Spot};
+use crate::passes::views::Views::{Cube, Hemicube, Orthographic, Plane};
 use crate::scene::{Light, Scene};
 use crate::vk::gpu_types::LightSample;
 use glam::Vec3;
@@ -46,29 +47,55 @@ pub fn light_sets(
     let directional = size(2048, count(|l| matches!(l, Light::Directional { .. })));
     let point = size(1024, count(|l| matches!(l, Light::Point { .. })));
     let spot = size(2048, count(|l| matches!(l, Light::Spot { .. })));
-    let mut sets = vec![
-        LightSet::empty("directional lights", LightKind::Directional, Views::Orthographic, directional),
-        LightSet::empty("point lights", LightKind::Point, Views::Cube, point),
-        LightSet::empty("spot lights", LightKind::Spot, Views::Plane, spot),
-        LightSet::empty("wide spot lights", LightKind::Spot, Views::Cube, spot / 2),
-        LightSet::empty("emissive triangles", LightKind::Area, Views::Hemicube, settings.shadow_size),
-        LightSet::empty("sky on surfaces", LightKind::Directional, Views::Orthographic, SKY_SHADOW_SIZE),
-        LightSet::empty("suns of the sky", LightKind::Directional, Views::Orthographic, size(1024, 1)),
-    ];
+    let area = settings.shadow_size;
+    let receivers = Receivers::of(scene, extent);
+    let mut sets = Sets {
+        directional: LightSet::empty("directional lights", Directional, Orthographic, directional),
+        point: LightSet::empty("point lights", Point, Cube, point),
+        far_point: LightSet::empty("far point lights", Point, Plane, point),
+        farthest_point: LightSet::empty("farthest point lights", Point, Orthographic, point),
+        spot: LightSet::empty("spot lights", Spot, Plane, spot),
+        wide_spot: LightSet::empty("wide spot lights", Spot, Cube, spot / 2),
+        farthest_spot: LightSet::empty("farthest spot lights", Spot, Orthographic, spot),
+    };
     for light in &scene.lights {
-        add_punctual(light, extent, &mut sets);
+        add_punctual(light, extent, &receivers, &mut sets);
     }
-    add_emitters(scene, extent, settings.area_samples, &mut sets[4]);
-    sets[4].stride = EMITTER_STRIDE.min(sets[4].samples.len().max(1) as u32);
-    add_suns(&scene.background, extent, settings.area_samples, &mut sets[6]);
-    sets[6].stride = EMITTER_STRIDE.min(sets[6].samples.len().max(1) as u32);
+    let mut emitters = EmitterSets {
+        even: LightSet::empty("emissive triangles", Area, Hemicube, area),
+        uneven: LightSet::empty("emissive textures", Area, Hemicube, area),
+        far_even: LightSet::empty("far emissive triangles", Area, Plane, area),
+        far_uneven: LightSet::empty("far emissive textures", Area, Plane, area),
+    };
+    add_emitters(scene, extent, &receivers, settings.area_samples, &mut emitters);
+    let EmitterSets { even, uneven, far_even, far_uneven } = emitters;
+    let mut suns = LightSet::empty("suns of the sky", Directional, Orthographic, size(1024, 1));
+    add_suns(&scene.background, extent, settings.area_samples, &mut suns);
+    let mut areas = vec![even, uneven, far_even, far_uneven, suns];
+    areas.iter_mut().for_each(|set| set.stride = EMITTER_STRIDE.min(set.samples.len().max(1) as u32));
+    let mut around = LightSet::empty("sky on surfaces", Directional, Orthographic, SKY_SHADOW_SIZE);
     if sky {
-        sets[5].cells_only = true;
-        add_sky(&scene.background, extent, settings.sky_samples, &mut sets[5]);
-        sets[5].stride = sky_stride(sets[5].samples.len());
+        around.cells_only = true;
+        add_sky(&scene.background, extent, settings.sky_samples, &mut around);
+        around.stride = sky_stride(around.samples.len());
     }
-    sets.retain(|set| !set.samples.is_empty());
-    Ok(sets)
+    let Sets { directional, point, far_point, farthest_point, spot, wide_spot, farthest_spot } = sets;
+    let mut all = vec![directional, point, far_point, farthest_point, spot, wide_spot, farthest_spot];
+    all.append(&mut areas);
+    all.push(around);
+    all.retain(|set| !set.samples.is_empty());
+    Ok(all)
+}
+
+/// Punctual lights by kind and by the views of their shadows.
+struct Sets {
+    directional: LightSet,
+    point: LightSet,
+    far_point: LightSet,
+    farthest_point: LightSet,
+    spot: LightSet,
+    wide_spot: LightSet,
+    farthest_spot: LightSet,
 }
 
 /// Halves the size of each shadow view as their number grows fourfold.
@@ -77,31 +104,50 @@ fn shrink(largest: u32, lights: usize) -> u32 {
     (largest >> halvings as u32).max(256)
 }
 
-fn add_punctual(light: &Light, extent: Extent, sets: &mut [LightSet]) {
+fn add_punctual(light: &Light, extent: Extent, receivers: &Receivers, sets: &mut Sets) {
     let near = extent.radius * NEAR;
     match *light {
         Light::Directional { direction, irradiance } => {
             if irradiance != Vec3::ZERO {
-                sets[0].push(parallel_frame(direction, extent), parallel_sample(direction, irradiance));
+                sets.directional.push(parallel_frame(direction, extent), parallel_sample(direction, irradiance));
             }
         }
         Light::Point { position, intensity } => {
             let sample =
                 LightSample { position: with(position, 0.0), power: with(intensity, 0.0), ..Default::default() };
-            let scale = sets[1].guard();
-            sets[1].push(frame(position, Vec3::Z, near, scale), sample);
+            if receivers.is_parallel(position) {
+                sets.farthest_point.push(receivers.parallel_view(position, extent), sample);
+            } else if receivers.is_far(position) {
+                sets.far_point.push(receivers.view(position, near), sample);
+            } else {
+                let scale = sets.point.guard();
+                sets.point.push(frame(position, Vec3::Z, near, scale), sample);
+            }
         }
         Light::Spot { position, direction, intensity, cos_inner, cos_outer } => {
+            // 1 − cos by double precision: single precision cannot tell thin cones from none.
             let sample = LightSample {
                 position: with(position, 0.0),
-                direction: with(direction, cos_outer),
-                power: with(intensity, 1.0 / (cos_inner - cos_outer).max(1e-4)),
+                direction: with(direction, (1.0 - cos_outer) as f32),
+                power: with(intensity, (1.0 / (cos_inner - cos_outer).max(HARD_EDGE)) as f32),
             };
-            // A plane's aperture ends at 90°; from 75° on its texels are stretched too far.
-            let wide = cos_outer < 0.26;
-            let tangent = (1.0 - cos_outer * cos_outer).max(0.0).sqrt() / cos_outer.max(1e-3);
-            let scale = if wide { sets[3].guard() } else { 1.0 / (tangent * 1.02).max(1e-3) };
-            sets[if wide { 3 } else { 2 }].push(frame(position, direction, near, scale), sample);
+            let tangent = (((1.0 - cos_outer) * (1.0 + cos_outer)).max(0.0).sqrt() / cos_outer.max(1e-3)) as f32;
+            if receivers.is_parallel(position) {
+                sets.farthest_spot.push(receivers.parallel_view(position, extent), sample);
+            } else if receivers.is_far(position) && receivers.tangent(position) < tangent {
+                sets.spot.push(receivers.view(position, near), sample);
+            } else if cos_outer < WIDE {
+                let scale = sets.wide_spot.guard();
+                sets.wide_spot.push(frame(position, direction, near, scale), sample);
+            } else {
+                let scale = 1.0 / (tangent * 1.02).max(1e-6);
+                sets.spot.push(frame(position, direction, near, scale), sample);
+            }
         }
     }
 }
+
+/// Least difference of the cosines of a spot's cones: less is a hard edge.
+const HARD_EDGE: f64 = 1e-30;
+/// A plane's aperture ends at 90°; from 75° on, whose cosine this is, its texels are stretched too far.
+const WIDE: f64 = 0.26;

@@ -142,7 +142,3 @@ pub(super) fn frame(origin: Vec3, axis: Vec3, near: f32, scale: f32) -> Frame {
 pub(super) fn with(v: Vec3, w: f32) -> [f32; 4] {
     Vec4::from((v, w)).to_array()
 }
-
-pub(super) fn brightness(v: Vec3) -> f32 {
-    v.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-}

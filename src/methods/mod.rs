@@ -8,6 +8,7 @@ pub mod captures;
 pub mod casters;
 pub mod direct;
 pub mod emitter_samples;
+mod far_view;
 pub mod gather;
 pub mod irradiance_cache;
 pub mod light_samples;

@@ -269,7 +269,7 @@ pub(super) fn light_surfaces(
     let extent = Extent { bounds: ground.geometry.bounds, radius: ground.geometry.radius };
     let casters = Arc::new(Casters::exact(device, ground)?);
     for set in light_sets(ground.scene, extent, settings, sky)? {
-        DirectLight::new(device, set, ground, &casters, None, true)?.run(recorder, ground, |_| {})?;
+        DirectLight::new(device, set, ground, &casters, (true, false))?.run(recorder, ground, (true, None), |_| {})?;
     }
     Ok(())
 }

@@ -64,9 +64,9 @@ impl Records {
         &self.device
     }
 
-    /// Forgets all records: what they saw is lit otherwise by now.
-    pub fn clear(&mut self) {
-        self.count = 0;
+    /// Forgets all records but the first `count`.
+    pub fn truncate(&mut self, count: u32) {
+        self.count = self.count.min(count);
     }
 
     /// Where they are found.

@@ -39,6 +39,13 @@ pub struct SphereProbeSettings {
     pub surface_cells: u32,
 }
 
+impl SphereProbeSettings {
+    /// Surface cells for a scene where nothing says how many: enough for what a face's texel sees of it.
+    pub fn usual_cells(scene: &Scene) -> u32 {
+        (40 * scene.triangles.len() as u64).clamp(1 << 16, 1 << 20) as u32
+    }
+}
+
 /// A scene with its surfaces lit, ready to be looked at from any point.
 pub struct SphereProbes<'a> {
     scene: &'a Scene,

@@ -234,12 +234,18 @@ impl CaptureCompute {
     /// What is summed face by face, where that is done: by subgroups.
     pub fn sums(device: &Device, on: (&Geometry, &ClusterTree), looks: &Looks) -> Option<FaceCounts> {
         let most = device.capabilities.limits.max_texel_buffer_elements;
-        let fits = looks.may_sum && !looks.shared && u64::from(on.0.cell_count) * PAIRS <= u64::from(most);
-        let threads = device.capabilities.subgroup.filter(|_| fits)?;
+        let fits = looks.may_sum && u64::from(on.0.cell_count) * PAIRS <= u64::from(most);
+        let threads = Self::subgroup(device, on, looks).filter(|_| fits)?;
         let border = Faces::of(&looks.table).border_count;
-        let counts = FaceCounts { texels: looks.texels(), border, parts: looks.views.count * threads };
+        Some(FaceCounts { texels: looks.texels(), border, parts: looks.views.count * threads })
+    }
+
+    /// Invocations of the subgroup that draws a view, if one is to: of faces alone.
+    fn subgroup(device: &Device, on: (&Geometry, &ClusterTree), looks: &Looks) -> Option<u32> {
+        let fits = !looks.views.is_disc && !looks.shared;
+        let threads = device.capabilities.subgroup.filter(|_| fits)?;
         let crossings = looks.far.map_or(0, |far| far.grid.crossings() * looks.size * looks.size / threads);
-        (crossings <= MOST_CROSSINGS && by_subgroups(device, threads, on, looks.size)).then_some(counts)
+        (crossings <= MOST_CROSSINGS && by_subgroups(device, threads, on, looks.size)).then_some(threads)
     }
 
     /// Captures up to `capacity` times what `looks` says, of the triangles in `tree` and of `slices` where that wants some, into
@@ -308,7 +314,10 @@ impl CaptureCompute {
         let kinds = gathered.kinds;
         let (threads, code) = match summed {
             Some(sums) => (sums.part_count / view_table.count, spirv!("capture_compute", "subgroup.comp")),
-            None => (THREADS, spirv!("capture_compute", "workgroup.comp")),
+            None => match Self::subgroup(device, (geometry, tree), looks).filter(|_| !looks.may_sum) {
+                Some(threads) => (threads, spirv!("capture_compute", "subgroup_gather.comp")),
+                None => (THREADS, spirv!("capture_compute", "workgroup.comp")),
+            },
         };
         let constants = Constants {
             size,

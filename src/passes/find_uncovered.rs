@@ -11,6 +11,8 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 const GROUP: u32 = 128;
+/// Least distance between pixels of a lattice: the list of them is kept short by it.
+pub const LEAST_STRIDE: u32 = 4;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -62,8 +64,9 @@ impl FindUncovered {
         let size = gbuffer.position.desc.size;
         let pixels = u64::from(size[0]) * u64::from(size[1]);
         let counts = Buffer::new(device, "uncovered pixels", pixels.div_ceil(u64::from(GROUP)) * 4, Memory::Device)?;
-        let found = Buffer::new(device, "uncovered pixels", 4 + pixels * 4, Memory::Device)?;
-        let settled = if has_contrast { pixels * 4 } else { 4 };
+        let [columns, rows] = size.map(|side| u64::from(side.div_ceil(LEAST_STRIDE)));
+        let found = Buffer::new(device, "uncovered pixels", 4 + columns * rows * 4, Memory::Device)?;
+        let settled = if has_contrast { pixels.div_ceil(32) * 4 } else { 4 };
         let settled = Buffer::new(device, "uncovered pixels", settled, Memory::Device)?;
         let bindings = [
             Binding::Texels(&gbuffer.position),
@@ -127,6 +130,7 @@ impl FindUncovered {
 
     /// Finds the pixels of `lattice` that need a record.
     pub fn record(&self, commands: &Commands, lattice: Lattice, need: Need) {
+        assert!(lattice.stride >= LEAST_STRIDE, "{lattice:?} has more pixels than the list holds");
         let push = self.push(lattice, need);
         let all = groups(push.lattice[0] * push.lattice[1], GROUP);
         for (phase, groups) in self.phases.iter().zip([all, [1, 1, 1], all]) {

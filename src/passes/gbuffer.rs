@@ -108,7 +108,7 @@ impl GBuffer {
             name: "gbuffer",
             vertex,
             fragment: Some(fragment),
-            constants: variant.constants(geometry.streams, &[u32::from(self.fan > 1)]),
+            constants: variant.constants(geometry.streams, &[u32::from(self.fan > 1)]).into(),
             input: VertexInput::None,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             additive: false,

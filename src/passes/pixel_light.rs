@@ -4,9 +4,10 @@ use super::gbuffer::Targets;
 use super::groups;
 use super::shadow::Shadow;
 use crate::vk::{
-    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout,
-    Specialisation, spirv,
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Image, ImageDesc, PipelineLayout, Result,
+    SetLayout, Specialisation, spirv,
 };
+use ash::vk;
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
@@ -19,6 +20,13 @@ struct Push {
     lift: f32,
 }
 
+/// The image of direct irradiance that the pass adds into, four floats a pixel; an image, so that no limit of buffers holds
+/// for its size.
+pub fn direct_image(device: &Arc<Device>, size: [u32; 2]) -> Result<Image> {
+    let (format, usage) = (vk::Format::R32G32B32A32_SFLOAT, vk::ImageUsageFlags::STORAGE);
+    Image::new(device, ImageDesc { used_for: "direct irradiance", format, size, layers: None, usage })
+}
+
 /// The pass for one kind of light.
 pub struct PixelLight {
     pipeline: ComputePipeline,
@@ -28,18 +36,18 @@ pub struct PixelLight {
 }
 
 impl PixelLight {
-    /// Adds into `direct`, four floats a pixel. With `faces`, the samples of each emissive triangle stand together.
+    /// Adds into `direct` ([`direct_image`]). With `faces`, the samples of each emissive triangle stand together.
     pub fn new(
         device: &Arc<Device>,
         gbuffer: &Targets,
         shadow: &Shadow<'_>,
         faces: Option<&Buffer>,
-        direct: &Buffer,
+        direct: &Image,
     ) -> Result<Self> {
         let own = [
             Binding::Texels(&gbuffer.position),
             Binding::Texels(&gbuffer.normals),
-            Binding::Storage(direct),
+            Binding::Stored(direct),
             Binding::Storage(faces.unwrap_or(shadow.lights)),
         ];
         let bindings: Vec<_> = shadow.bindings().into_iter().chain(own).collect();

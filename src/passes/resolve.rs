@@ -3,9 +3,10 @@
 use super::gbuffer::Targets;
 use super::groups;
 use super::splat::Sums;
+use crate::vk::pass::Recorder;
 use crate::vk::{
-    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
-    Specialisation, spirv,
+    Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Image, Memory, PipelineLayout, Result,
+    SetLayout, barrier, variants,
 };
 use bytemuck::{Pod, Zeroable};
 use glam::Mat4;
@@ -69,6 +70,7 @@ struct Push {
     clip_to_world_direction: [f32; 16],
     forward: [f32; 4],
     size: [u32; 2],
+    band: [u32; 2],
     planes: [i32; 6],
 }
 
@@ -78,18 +80,23 @@ pub struct Inputs<'a> {
     pub gbuffer: &'a Targets,
     /// Splats.
     pub sums: Option<&'a Sums>,
-    /// Direct irradiance, four floats a pixel.
-    pub direct: Option<&'a Buffer>,
+    /// Direct irradiance.
+    pub direct: Option<&'a Image>,
     /// Sky: size, then texels.
     pub sky: Option<&'a Buffer>,
 }
 
-/// The pass.
+/// Most bytes of a band: what the CPU keeps of it twice for a moment.
+pub const BAND: u64 = 256 << 20;
+
+/// The pass, and the read-back of what it writes. Both go band by band, so that no limit of buffers holds for the image.
 pub struct Resolve {
     pipeline: ComputePipeline,
     set: DescriptorSet,
     size: [u32; 2],
     planes: Vec<Plane>,
+    /// Most pixels of a band.
+    band: u32,
     output: Buffer,
     readback: Buffer,
     _layout: SetLayout,
@@ -99,77 +106,108 @@ impl Resolve {
     /// Writes `planes`.
     pub fn new(device: &Arc<Device>, inputs: &Inputs<'_>, planes: &[Plane]) -> Result<Self> {
         let size = inputs.gbuffer.position.desc.size;
-        let values: u32 = planes.iter().map(|p| p.channels()).sum();
-        let bytes = u64::from(values) * u64::from(size[0]) * u64::from(size[1]) * 4;
+        let pixel_bytes = u64::from(channels(planes).max(1)) * 4;
+        let most = BAND.min(u64::from(device.capabilities.limits.max_storage_buffer_range)) / pixel_bytes;
+        let band = most.clamp(1, u64::from(size[0]) * u64::from(size[1])) as u32;
+        let bytes = u64::from(band) * pixel_bytes;
         let output = Buffer::new(device, "result", bytes, Memory::Device)?;
-        let position = &inputs.gbuffer.position;
+        let Targets { position, normals, albedo, emission, .. } = inputs.gbuffer;
         let sums = inputs.sums;
-        // What is left out is bound to something of the right kind and never read.
-        let bindings = [
-            Binding::Texels(position),
-            Binding::Texels(&inputs.gbuffer.normals),
-            Binding::Texels(&inputs.gbuffer.albedo),
-            Binding::Texels(inputs.gbuffer.emission.as_ref().unwrap_or(position)),
-            Binding::Texels(sums.map_or(position, |s| &s.indirect)),
-            Binding::Texels(sums.and_then(|s| s.sky.as_ref()).unwrap_or(position)),
-            Binding::Texels(sums.and_then(|s| s.tally.as_ref()).unwrap_or(position)),
-            Binding::Storage(inputs.direct.unwrap_or(&output)),
-            Binding::Storage(inputs.sky.unwrap_or(&output)),
-            Binding::Storage(&output),
+        let tally = sums.and_then(|sums| sums.tally.as_ref());
+        let shader = variants!("resolve", "resolve.comp").choose(&[
+            ("INDIRECT", sums.is_some()),
+            ("SKY", inputs.sky.is_some()),
+            ("LIGHTS", inputs.direct.is_some()),
+            ("EMISSION", emission.is_some()),
+            ("RECORDS", tally.is_some()),
+        ]);
+        let optional = [
+            ("gbuffer_emission", emission.as_ref().map(Binding::Texels)),
+            ("indirect_sum", sums.map(|sums| Binding::Texels(&sums.indirect))),
+            ("sky_sum", sums.and_then(|sums| sums.sky.as_ref()).map(Binding::Texels)),
+            ("record_count", tally.map(Binding::Texels)),
+            ("direct", inputs.direct.map(Binding::Stored)),
+            ("Sky", inputs.sky.map(Binding::Storage)),
         ];
-        let layout = SetLayout::of(device, &bindings)?;
-        let set = DescriptorSet::new(&layout, &bindings)?;
+        let always = [
+            ("gbuffer_position", Binding::Texels(position)),
+            ("gbuffer_normals", Binding::Texels(normals)),
+            ("gbuffer_albedo", Binding::Texels(albedo)),
+            ("Planes", Binding::Storage(&output)),
+        ];
+        let resources: Vec<_> = always
+            .into_iter()
+            .chain(optional.into_iter().filter_map(|(name, resource)| Some((name, resource?))))
+            .collect();
+        let (layout, set) = DescriptorSet::named(device, &[shader], 0, &resources)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let features = [
-            sums.is_some(),
-            inputs.sky.is_some(),
-            inputs.direct.is_some(),
-            inputs.gbuffer.emission.is_some(),
-            sums.is_some_and(|s| s.tally.is_some()),
+        let constants = [
+            ("EMISSION_PLANE", Plane::Emission),
+            ("NORMAL_PLANE", Plane::Normal),
+            ("POSITION_PLANE", Plane::Position),
+            ("DEPTH_PLANE", Plane::Depth),
+            ("RECORDS_PLANE", Plane::Records),
+            ("MASK_PLANE", Plane::Mask),
         ];
-        let constants =
-            features.iter().map(|f| u32::from(*f)).chain(Plane::ALL[6..].iter().map(|p| first(planes, *p) as u32));
-        let constants = Specialisation(constants.collect());
-        let pipeline =
-            ComputePipeline::new("resolve", &pipeline_layout, spirv!("resolve", "resolve.comp"), &constants)?;
+        let constants = constants.map(|(name, plane)| (name, first(planes, plane) as u32));
+        let pipeline = ComputePipeline::new("resolve", &pipeline_layout, shader, constants)?;
         Ok(Self {
             pipeline,
             set,
             size,
             planes: planes.to_vec(),
+            band,
             output,
             readback: Buffer::new(device, "read-back", bytes, Memory::Readback)?,
             _layout: layout,
         })
     }
 
-    /// Writes the planes. `axis`: camera axis and −(axis · eye).
-    pub fn record(&self, commands: &Commands, clip_to_world_direction: Mat4, axis: [f32; 4]) {
+    /// Computes the image and reads it: a list of values for each channel of the planes in order, row by row. `axis`: camera
+    /// axis and −(axis · eye).
+    ///
+    /// # Errors
+    /// Those of the device ([`Recorder::submit`]).
+    pub fn run(&self, recorder: &mut Recorder, clip_to_world_direction: Mat4, axis: [f32; 4]) -> Result<Vec<Vec<f32>>> {
+        let pixels = self.size[0] * self.size[1];
+        let mut values = vec![Vec::with_capacity(pixels as usize); channels(&self.planes) as usize];
+        for first in (0..pixels).step_by(self.band as usize) {
+            let count = self.band.min(pixels - first);
+            recorder.submit(|recording| {
+                recording.pass("resolve", |c| {
+                    self.record(c, clip_to_world_direction, axis, [first, count]);
+                    Ok(())
+                })?;
+                recording.pass("readback", |c| {
+                    barrier::full(c);
+                    c.copy_buffer(&self.output, &self.readback, values.len() as u64 * u64::from(count) * 4);
+                    Ok(())
+                })
+            })?;
+            for (index, values) in values.iter_mut().enumerate() {
+                values.extend(self.readback.read_from::<f32>(index * count as usize, count as usize));
+            }
+        }
+        Ok(values)
+    }
+
+    fn record(&self, commands: &Commands, clip_to_world_direction: Mat4, axis: [f32; 4], band: [u32; 2]) {
         let push = Push {
             clip_to_world_direction: clip_to_world_direction.to_cols_array(),
             forward: axis,
             size: self.size,
+            band,
             planes: std::array::from_fn(|i| first(&self.planes, Plane::ALL[i])),
         };
         self.pipeline.bind(commands, &[&self.set]);
         self.pipeline.layout.push(commands, &push);
-        self.pipeline.dispatch(commands, groups(self.size[0] * self.size[1], 64));
+        self.pipeline.dispatch(commands, groups(band[1], 64));
     }
+}
 
-    /// Copies the planes to the CPU.
-    pub fn record_readback(&self, commands: &Commands) {
-        commands.copy_buffer(&self.output, &self.readback, self.output.size);
-    }
-
-    /// The planes of `plane`, once the read-back has been waited for.
-    pub fn read(&self, plane: Plane) -> Vec<Vec<f32>> {
-        let pixels = (self.size[0] * self.size[1]) as usize;
-        let begin = first(&self.planes, plane);
-        debug_assert!(begin >= 0, "only planes that were asked for are read");
-        (begin as usize..begin as usize + plane.channels() as usize)
-            .map(|index| self.readback.read_from(index * pixels, pixels))
-            .collect()
-    }
+/// Values of a pixel in all `planes`.
+fn channels(planes: &[Plane]) -> u32 {
+    planes.iter().map(|p| p.channels()).sum()
 }
 
 /// First value of `plane` in a pixel's list, −1 if it is not among `planes`.

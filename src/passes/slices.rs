@@ -14,7 +14,7 @@ use super::groups;
 use crate::math::slices::{Grid, SAMPLES};
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Memory, PipelineLayout, Result, SetLayout,
-    Specialisation, TexelBuffer, barrier, spirv,
+    Shader, Specialisation, TexelBuffer, barrier, spirv,
 };
 use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
@@ -58,7 +58,7 @@ struct Dispatch {
 }
 
 impl Dispatch {
-    fn new(device: &Arc<Device>, bindings: &[Binding<'_>], code: &[u8], constants: Vec<u32>) -> Result<Self> {
+    fn new(device: &Arc<Device>, bindings: &[Binding<'_>], code: &Shader, constants: Vec<u32>) -> Result<Self> {
         let layout = SetLayout::of(device, bindings)?;
         let set = DescriptorSet::new(&layout, bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;

@@ -135,7 +135,7 @@ impl Splat {
             name: "splat",
             vertex: spirv!("splat", "splat.vert"),
             fragment: Some(fragment),
-            constants: Specialisation(constants),
+            constants: Specialisation(constants).into(),
             input: VertexInput::None,
             topology: vk::PrimitiveTopology::TRIANGLE_STRIP,
             additive: true,

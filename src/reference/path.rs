@@ -189,7 +189,7 @@ impl<'a, 'b> Path<'a, 'b> {
         let mut radiance = next.emission;
         if radiance != DVec3::ZERO {
             let cos = next.geometric.dot(direction).abs();
-            let by_area = self.tracer.emitters.density(next.triangle);
+            let by_area = self.tracer.emitters.density(next.triangle, hit.barycentric);
             radiance *= power_heuristic(density, by_area * hit.t * hit.t / cos);
         }
         Some(Arrival { radiance, next: Some(next), distance: hit.t })

@@ -1,6 +1,5 @@
 //! The camera as the passes need it.
 
-use crate::math::density::Eye;
 use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
 use crate::passes::clamp_records::Footprint;
@@ -26,13 +25,6 @@ pub(super) struct View {
     scale: Vec2,
     perspective: bool,
     size: [u32; 2],
-}
-
-/// Where surfaces are looked at from. A parallel projection looks from nowhere.
-pub(super) fn eye(scene: &Scene, camera: &Camera) -> Option<Eye> {
-    let (low, high) = scene.bounds();
-    let position = camera.camera_to_world.w_axis.truncate().as_vec3();
-    matches!(camera.lens, Lens::Perspective { .. }).then(|| Eye::new(position, (high - low).length() * 0.5))
 }
 
 impl View {

@@ -1,11 +1,12 @@
 //! What does not fit into the device's memory is refused before any of it is allocated.
 
 use super::Settings;
-use super::plan::Plan;
+use super::plan::{Part, Plan};
 use crate::methods::captures::CaptureMode;
 use crate::methods::casters::CoarseSurface;
 use crate::methods::sky_bytes;
 use crate::passes::geometry::{Arrangement, Need, SurfaceSize, needs};
+use crate::passes::resolve::BAND;
 use crate::passes::slices::Slices;
 use crate::scene::Scene;
 use crate::vk::Device;
@@ -59,15 +60,17 @@ pub enum TooLarge {
 /// Device memory that a frame will take, by use, the largest first: of geometry that was arranged to that `size`, or about
 /// ([`SurfaceSize::about`]).
 pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &Plan, settings: &Settings) -> Vec<Need> {
-    let mut all = needs(device, scene, size, plan.lights);
-    if let Some(far) = settings.cache.capture.far(scene.bounds().into()).filter(|_| plan.compute) {
+    let mut all = needs(device, scene, size, plan.lights());
+    if let Some(far) = settings.cache.capture.far(scene.bounds().into()).filter(|_| plan.compute()) {
         let allowed = Slices::most_bytes(device);
         let need = |used_for, bytes| Need { used_for, bytes, largest: bytes, allowed };
         all.extend(Slices::needs(&far.grid).map(|(used_for, bytes)| need(used_for, bytes)));
     }
-    let image = u64::from(settings.width) * u64::from(settings.height) * pixel(plan, settings);
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let layers: u64 = settings.planes.iter().map(|plane| u64::from(plane.channels())).sum();
+    let image = pixels * pixel(plan) + 2 * BAND.min(4 * layers * pixels);
     let textures: u64 = scene.textures.iter().map(|t| t.rgba.len() as u64 * 4 * 4 / 3).sum();
-    let casters = if plan.coarse_casters { CoarseSurface::most_bytes(scene) } else { 0 };
+    let casters = if plan.runs(Part::CoarseCasters) { CoarseSurface::most_bytes(scene) } else { 0 };
     let rest = [
         ("textures", textures),
         ("background", sky_bytes(&scene.background)),
@@ -82,13 +85,12 @@ pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &P
     all
 }
 
-/// Bytes of a pixel in what has the image's size: position, normals, albedo, depth and emission, direct light, sums of splats,
-/// what earlier views have settled, the layers and their read-back.
-fn pixel(plan: &Plan, settings: &Settings) -> u64 {
-    let layers: u64 = settings.planes.iter().map(|plane| u64::from(plane.channels())).sum();
-    let runs = |part: &str| u64::from(plan.run.contains(&part));
-    let sums = runs("splat") + runs("sky") + (runs("contrast") | runs("record counts"));
-    36 + 16 * (runs("emission") + u64::from(plan.lights) + sums) + 4 * runs("contrast") + 8 * layers
+/// Bytes of a pixel in what has the image's size: position, normals, albedo, depth and emission, direct light and sums of splats.
+/// The layers go by way of bands ([`BAND`]).
+fn pixel(plan: &Plan) -> u64 {
+    let runs = |part| u64::from(plan.runs(part));
+    let sums = runs(Part::Splat) + runs(Part::Sky) + (runs(Part::Contrast) | runs(Part::RecordCounts));
+    36 + 16 * (runs(Part::Emission) + u64::from(plan.lights()) + sums)
 }
 
 /// Checks that what `plan` makes of `scene` fits, its surface of that `size`.
@@ -139,7 +141,7 @@ pub(super) fn arrange(
         fits(&arrangement.size(), plan).map(|()| arrangement)
     };
     match arranged(&plan) {
-        Err(error) if plan.levels && settings.cache.capture == CaptureMode::Auto => {
+        Err(error) if plan.runs(Part::Levels) && settings.cache.capture == CaptureMode::Auto => {
             let why = format!("levels of detail do not fit: {error}");
             let plan = plan.without_levels(&why);
             Ok((arranged(&plan)?, plan, Some(format!("{why}, and captures in compute drew all triangles as they are"))))

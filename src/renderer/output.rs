@@ -1,7 +1,7 @@
 //! The result's planes as a picture.
 
 use crate::image::Picture;
-use crate::passes::resolve::{Plane, Resolve};
+use crate::passes::resolve::Plane;
 use glam::DVec3;
 
 /// Channel names of a plane.
@@ -24,11 +24,12 @@ fn channels(plane: Plane) -> Vec<String> {
     }
 }
 
-/// Reads `planes` of a finished frame; positions get the scene's origin back.
-pub(super) fn picture(resolve: &Resolve, planes: &[Plane], size: [u32; 2], origin: DVec3) -> Picture {
+/// The picture of `planes`, whose `values` are a list a channel; positions get the scene's origin back.
+pub(super) fn picture(values: Vec<Vec<f32>>, planes: &[Plane], size: [u32; 2], origin: DVec3) -> Picture {
     let mut picture = Picture { width: size[0], height: size[1], ..Picture::default() };
+    let mut all = values.into_iter();
     for plane in planes {
-        let mut values = resolve.read(*plane);
+        let mut values: Vec<_> = all.by_ref().take(plane.channels() as usize).collect();
         if *plane == Plane::Position {
             add_origin(&mut values, origin);
         }

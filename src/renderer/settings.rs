@@ -1,7 +1,7 @@
 //! What a frame is made with, and its checks.
 
 use crate::math::capture::Projection;
-use crate::math::density::Eye;
+use crate::math::density::Focus;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
 use crate::methods::light_set::LightSettings;
@@ -42,6 +42,22 @@ pub struct Settings {
     /// Builds and runs every part, needed or not: what leaving parts out is tested against.
     pub full_plan: bool,
     /// What the passes of the cache do is counted, for [`Rendered::cache`](super::Rendered::cache).
+    pub counts_work: bool,
+}
+
+/// What views of one scene may differ in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewSettings {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The irradiance cache. How records look at the scene is settled when that is opened: other values of
+    /// [`CacheSettings::captures`] have no effect.
+    pub cache: CacheSettings,
+    /// Layers of the result.
+    pub planes: Vec<Plane>,
+    /// What the passes of the cache do is counted.
     pub counts_work: bool,
 }
 
@@ -90,13 +106,27 @@ pub struct SettingsError {
 }
 
 impl Settings {
-    /// How long sides of triangles of `scene` may be: as captures and settings allow, and as long as they are far from the `eye`
+    /// Those of a view.
+    pub fn view(&self) -> ViewSettings {
+        let Self { width, height, cache, planes, counts_work, .. } = self.clone();
+        ViewSettings { width, height, cache, planes, counts_work }
+    }
+
+    /// The same scene's for another view.
+    pub(super) fn with_view(&self, view: &ViewSettings) -> Self {
+        let ViewSettings { width, height, cache, planes, counts_work } = view.clone();
+        let CacheSettings { capture, capture_size, lod_error, share_views, .. } = self.cache;
+        let cache = CacheSettings { capture, capture_size, lod_error, share_views, ..cache };
+        Self { width, height, cache, planes, counts_work, ..self.clone() }
+    }
+
+    /// How long sides of triangles of `scene` may be: as captures and settings allow, and by their distance from the `foci`
     /// that surface cells are finer near, for a triangle's cells are all of one size. Without a device, captures are taken to be
     /// render passes.
-    pub(super) fn side_limit(&self, scene: &Scene, eye: Option<Eye>, device: Option<&Device>) -> SideLimit {
+    pub(super) fn side_limit(&self, scene: &Scene, foci: Vec<Focus>, device: Option<&Device>) -> SideLimit {
         let (low, high) = scene.bounds();
         let longest = self.longest_side(scene, device).map_or(f32::INFINITY, |share| (high - low).length() * share);
-        SideLimit { longest, eye }
+        SideLimit { longest, foci }
     }
 
     /// As a share of the scene's diagonal, where triangles are to be cut for captures or as settings say.
@@ -161,13 +191,6 @@ impl Settings {
         range("--batch", self.cache.batch.unwrap_or(1), 1, u32::MAX)?;
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;
-        // Three shader stages address pixels by 32 bits.
-        let pixels = u64::from(self.width) * u64::from(self.height);
-        let buffer = u64::from(limits.max_storage_buffer_range) / 16;
-        if pixels > buffer {
-            let rule = format!("{pixels} pixels are above this device's {buffer} (maxStorageBufferRange / 16 bytes)");
-            return Err(error("image size", format!("{}×{}", self.width, self.height), rule));
-        }
         Ok(())
     }
 }

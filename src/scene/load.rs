@@ -3,9 +3,9 @@
 //! # What is read
 //! Triangles (lists, strips, fans; indexed or not) of the default scene, else of the first scene, else of all nodes,
 //! else (a library of meshes) of every mesh as it stands;
-//! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinate sets 0 and 1; cameras;
+//! base colour, normal map, emission, alpha mask, samplers, vertex colours, texture coordinates (two sets a material); cameras;
 //! the extensions KHR_lights_punctual, KHR_materials_emissive_strength, KHR_materials_pbrSpecularGlossiness (its diffuse
-//! part), KHR_mesh_quantization, KHR_texture_transform, EXT_mesh_gpu_instancing, EXT_meshopt_compression,
+//! part), KHR_mesh_quantization, KHR_node_visibility, KHR_draco_mesh_compression, KHR_texture_transform, EXT_mesh_gpu_instancing, EXT_meshopt_compression,
 //! KHR_meshopt_compression, EXT_texture_webp.
 //!
 //! Skins and morph targets give meshes their pose: at rest, or at a moment of one of the file's animations ([`Pose`]; all
@@ -28,7 +28,8 @@
 //! | accessor `min`/`max` wrong or missing, alignment of offsets and strides, buffer view `target` | not needed |
 //! | component types that core glTF does not allow for an attribute | read as KHR_mesh_quantization says |
 //! | empty lists, properties that glTF does not know, undeclared extensions | ignored |
-//! | normals, tangents, rotations of a wrong length | brought to length 1; zero or NaN: taken from the triangles |
+//! | normals, tangents of a wrong length | brought to length 1; zero or NaN: taken from the triangles |
+//! | rotations of a wrong length | brought to length 1; zero: none |
 //! | texture coordinates that are not finite | 0 |
 //! | base colour and vertex colour outside [0, 1] | clamped |
 //! | a node with both `matrix` and translation, rotation or scale | the matrix counts |
@@ -37,6 +38,11 @@
 //! | a buffer without URI in a .gltf, up to 64 KiB | zeros |
 //! | GLB: more chunks, bytes after the end, lengths that are no multiple of four | the first chunk of each kind counts |
 //! | textures that name no image | left out |
+//! | pictures that are missing or broken | grey as base colour, a smooth surface, no emission |
+//! | JSON with a byte order mark, as UTF-16, padded with zeros | read as UTF-8 |
+//! | data URIs in other spellings; back slashes or a bare % in file names | read as they are meant |
+//! | a scene's root that is listed twice, or has a parent | drawn once |
+//! | primitives and accessors without elements | left out |
 //! | images whose `mimeType` or extension lies | told by their bytes |
 //! | camera clip planes | not used |
 
@@ -141,27 +147,28 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
 
 fn load_bytes(bytes: &[u8], resolve: &Resolver<'_>, options: &Options) -> Result<Scene> {
     let limits = options.limits;
-    let container = container::open(bytes)?;
-    let document = Document::parse(container.json)?;
     let mut notes = Notes::default();
+    let container = container::open(bytes, &mut notes)?;
+    let document = Document::parse(&container.json)?;
     extensions::check(&document, &mut notes)?;
     let buffers = Buffers::new(&document, &container, resolve);
     let poses = animation::poses(&document, &buffers, &options.pose, &mut notes)?;
-    let placed = nodes::flatten(&document, &poses)?;
+    let placed = nodes::flatten(&document, &poses, &mut notes)?;
     let meshes = read_meshes(&document, &buffers, &placed, limits, &mut notes)?;
     let mut drawn =
         Drawn { document: &document, buffers: &buffers, placed: &placed, meshes: &meshes, posed: BTreeMap::new() };
     let allowed = limits.triangles.min((1 << 20) + 64 * (bytes.len() as u64 + buffers.fetched_bytes()));
     drawn.check_count(allowed)?;
     drawn.posed = pose(&drawn, &poses, allowed, &mut notes)?;
-    let draws = drawn.list()?;
+    let draws = drawn.list(&mut notes)?;
     let mut scene = drawn.build(draws, limits, &mut notes)?;
-    scene.lights = lights::lights(&document, &placed, scene.origin)?;
+    scene.lights = lights::lights(&document, &placed, scene.origin, &mut notes)?;
     scene.cameras = lights::cameras(&document, &placed, scene.origin, &mut notes)?;
     scene.animations = animations(&document, &buffers);
     notes.add_if("animations are not played: --time SECONDS shows a moment of them", {
         options.pose.is_rest() && !scene.animations.is_empty()
     });
+    notes.append(buffers.take_notes());
     scene.notes = notes.into_lines();
     Ok(scene)
 }
@@ -179,7 +186,7 @@ fn read_meshes(
 ) -> Result<BTreeMap<usize, Mesh>> {
     let mut meshes = BTreeMap::new();
     let mut budget = Budget(limits.triangles.saturating_mul(3).min(u64::from(u32::MAX)));
-    for p in placed {
+    for p in placed.iter().filter(|p| !p.hidden) {
         let Some(mesh) = document.nodes[p.node].mesh else { continue };
         if let Entry::Vacant(place) = meshes.entry(mesh) {
             item(&document.meshes, "mesh", mesh).within(|| document.node_label(p.node))?;
@@ -232,14 +239,14 @@ const MOVES_A_TRIANGLE: u64 = 64;
 
 impl Drawn<'_, '_> {
     /// Each primitive at each place, by the document's material (none: last) and then in node order.
-    fn list(&self) -> Result<Vec<Draw<'_>>> {
+    fn list(&self, notes: &mut Notes) -> Result<Vec<Draw<'_>>> {
         let mut draws = Vec::new();
         for (place, node, mesh, primitives) in self.drawn_meshes() {
             let (primitives, at) = match self.posed.get(&place) {
                 Some(posed) => (&posed.primitives, posed.to_world),
                 None => (primitives, node.to_world),
             };
-            let instances = nodes::instances(self.document, self.buffers, &self.document.nodes[node.node]);
+            let instances = nodes::instances(self.document, self.buffers, &self.document.nodes[node.node], notes);
             for instance in instances.within(|| self.document.node_label(node.node))? {
                 let to_world = at * instance;
                 let draw = |(index, primitive)| Draw { primitive, to_world, material: 0, mesh, index };
@@ -270,7 +277,7 @@ impl Drawn<'_, '_> {
     /// Nodes that draw a mesh, each with its place among all.
     fn drawn_meshes(&self) -> impl Iterator<Item = (usize, &Placed, usize, &Mesh)> {
         self.placed.iter().enumerate().filter_map(|(place, p)| {
-            let mesh = self.document.nodes[p.node].mesh?;
+            let mesh = self.document.nodes[p.node].mesh.filter(|_| !p.hidden)?;
             Some((place, p, mesh, self.meshes.get(&mesh)?))
         })
     }
@@ -346,7 +353,7 @@ fn pose(drawn: &Drawn<'_, '_>, poses: &Poses, allowed: u64, notes: &mut Notes) -
     let budget = allowed.saturating_mul(MOVES_A_TRIANGLE).into();
     let deformer = Deformer { document: drawn.document, buffers: drawn.buffers, poses, worlds: &worlds, budget };
     let mut posed = BTreeMap::new();
-    for (index, placed) in drawn.placed.iter().enumerate() {
+    for (index, placed) in drawn.placed.iter().enumerate().filter(|(_, p)| !p.hidden) {
         let Some(mesh) = drawn.document.nodes[placed.node].mesh.and_then(|m| drawn.meshes.get(&m)) else { continue };
         let changed = deformer.pose(placed, mesh, notes).within(|| drawn.document.node_label(placed.node))?;
         posed.extend(changed.map(|changed| (index, changed)));

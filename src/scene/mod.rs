@@ -10,6 +10,7 @@ mod background;
 pub mod build;
 mod camera;
 mod cornell;
+pub mod emission;
 mod error;
 mod gltf;
 pub mod load;
@@ -201,9 +202,9 @@ pub enum Light {
         /// W·sr⁻¹ on the axis.
         intensity: Vec3,
         /// Cosine of the half angle within which the intensity is full.
-        cos_inner: f32,
-        /// Cosine of the half angle outside which it is zero; below `cos_inner`.
-        cos_outer: f32,
+        cos_inner: f64,
+        /// Cosine of the half angle outside which it is zero; `cos_inner` or below: a hard edge where both are the same.
+        cos_outer: f64,
     },
     /// Parallel light.
     Directional {

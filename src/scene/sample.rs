@@ -91,7 +91,8 @@ pub struct SurfacePoint {
 pub struct Emitter {
     /// Index into [`Scene::triangles`].
     pub triangle: u32,
-    /// Mean emitted radiance over the triangle, W·sr⁻¹·m⁻²: exact where the emission has no texture.
+    /// Mean emitted radiance over the triangle, W·sr⁻¹·m⁻²: exact where the emission has no texture and no mask. It may be 0
+    /// where a few texels shine.
     pub radiance: Vec3,
     /// Area in square scene units.
     pub area: f32,
@@ -174,32 +175,28 @@ impl Scene {
             let (area, double_sided) = (self.area(triangle), material.double_sided);
             Emitter { triangle, radiance: self.mean_emission(material, triangle), area, double_sided }
         };
-        triangles.map(emitter).filter(|e| e.radiance != Vec3::ZERO).collect()
+        triangles.map(emitter).collect()
     }
 
-    /// Emission averaged over centroids of an even subdivision, fine enough for sampling probabilities.
+    /// Emission averaged over the pieces of an even subdivision: exact where it is even, else good to choose triangles by.
     fn mean_emission(&self, material: &Material, triangle: u32) -> Vec3 {
-        const N: u32 = 8;
-        if material.emission_texture.is_none() {
+        const FINEST: u32 = 5;
+        if !self.emission_varies(triangle) {
             return material.emission;
         }
-        let mut sum = Vec3::ZERO;
-        for i in 0..N {
-            for j in 0..N - i {
-                let upright = Vec2::new(i as f32 + 1.0 / 3.0, j as f32 + 1.0 / 3.0) / N as f32;
-                sum += self.emission(material, &Place::new(self, triangle, upright));
-                if i + j + 1 < N {
-                    let inverted = Vec2::new(i as f32 + 2.0 / 3.0, j as f32 + 2.0 / 3.0) / N as f32;
-                    sum += self.emission(material, &Place::new(self, triangle, inverted));
-                }
-            }
-        }
-        sum / (N * N) as f32
+        let pieces = self.emission_of_pieces(triangle, self.emission_level(triangle, FINEST));
+        pieces.iter().sum::<Vec3>() / pieces.len() as f32
     }
 
     fn base_color(&self, material: &Material, place: &Place) -> Vec4 {
         let vertex = if self.colors.is_empty() { Vec4::ONE } else { place.mix(&self.colors) };
         material.base_color * vertex * self.lookup(material.base_texture, place, Encoding::Srgb)
+    }
+
+    /// Radiance that a triangle emits at a point, wherever its mask cuts it away.
+    pub(super) fn surface_emission(&self, triangle: u32, barycentrics: Vec2) -> Vec3 {
+        let material = &self.materials[self.material_of(triangle) as usize];
+        self.emission(material, &Place::new(self, triangle, barycentrics))
     }
 
     fn emission(&self, material: &Material, place: &Place) -> Vec3 {

@@ -1,23 +1,23 @@
-//! Cutting triangles smaller: for projections that bend their sides, and for cells that are finer near the eye.
+//! Cutting triangles smaller: for projections that bend their sides, and for cells that are finer near a focus.
 
 use super::{Part, Scene};
-use crate::math::density::Eye;
+use crate::math::density::Focus;
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 
 /// How long a side of a triangle may be.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SideLimit {
     /// Anywhere.
     pub longest: f32,
-    /// As long as its middle is far from here; or everywhere.
-    pub eye: Option<Eye>,
+    /// What else limits it, by where its middle is.
+    pub foci: Vec<Focus>,
 }
 
 impl SideLimit {
     /// The same everywhere.
     pub fn even(longest: f32) -> Self {
-        Self { longest, eye: None }
+        Self { longest, foci: Vec::new() }
     }
 
     /// Whether any side of a triangle that may be cut is longer.
@@ -33,8 +33,8 @@ impl SideLimit {
         let share = |i: usize| {
             let [a, b] = [triangle[i % 3], triangle[(i + 1) % 3]].map(|v| positions[v as usize]);
             let middle = (a + b) * 0.5;
-            let by_eye = self.eye.map_or(f32::INFINITY, |eye| middle.distance(eye.position).max(eye.nearest));
-            a.distance(b) / self.longest.min(by_eye)
+            let limit = self.foci.iter().fold(self.longest, |limit, focus| limit.min(focus.longest_side(middle)));
+            a.distance(b) / limit
         };
         let shares = [0, 1, 2].map(share);
         let later = if shares[1] >= shares[2] { 1 } else { 2 };
@@ -156,8 +156,8 @@ mod tests {
             sides.iter().filter(|(_, n)| **n == 1).map(|(side, _)| length(side)).sum::<f32>()
         };
         let before = open_sides(&scene);
-        let eye = Some(Eye::new(Vec3::new(0.1, 0.05, 0.1), 0.5));
-        for limit in [SideLimit::even(0.07), SideLimit { longest: f32::INFINITY, eye }] {
+        let foci = vec![Focus::camera(Vec3::new(0.1, 0.05, 0.1), 0.5)];
+        for limit in [SideLimit::even(0.07), SideLimit { longest: f32::INFINITY, foci }] {
             assert!(limit.cuts(&scene));
             let cut = scene.tessellated(&limit);
             assert!(!limit.cuts(&cut));

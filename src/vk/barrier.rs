@@ -34,10 +34,6 @@ pub(super) fn to_host(commands: &Commands) {
 
 /// Moves all of an image from one layout to another, ordered with everything around it.
 pub fn image_layout(commands: &Commands, image: &Image, from: vk::ImageLayout, to: vk::ImageLayout) {
-    let range = vk::ImageSubresourceRange::default()
-        .aspect_mask(image.aspect())
-        .level_count(1)
-        .layer_count(image.desc.layers.unwrap_or(1));
     let barrier = vk::ImageMemoryBarrier::default()
         .src_access_mask(vk::AccessFlags::MEMORY_WRITE)
         .dst_access_mask(vk::AccessFlags::MEMORY_READ | vk::AccessFlags::MEMORY_WRITE)
@@ -46,7 +42,7 @@ pub fn image_layout(commands: &Commands, image: &Image, from: vk::ImageLayout, t
         .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
         .image(image.raw)
-        .subresource_range(range);
+        .subresource_range(image.all_layers());
     between(commands, [ANY, ANY], &[], &[barrier]);
 }
 

@@ -91,11 +91,20 @@ impl Commands {
 
     /// Copies all texels of `from`, which is in `layout`, to the start of `to`.
     pub fn copy_image(&self, from: &Image, layout: vk::ImageLayout, to: &Buffer) {
-        super::barrier::image_layout(self, from, layout, vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
+        barrier::image_layout(self, from, layout, vk::ImageLayout::TRANSFER_SRC_OPTIMAL);
         let source = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
         // SAFETY: the buffer holds all texels; both outlive the submission.
         unsafe { self.device.raw.cmd_copy_image_to_buffer(self.raw, from.raw, source, to.raw, &[from.whole()]) };
-        super::barrier::image_layout(self, from, vk::ImageLayout::TRANSFER_SRC_OPTIMAL, layout);
+        barrier::image_layout(self, from, vk::ImageLayout::TRANSFER_SRC_OPTIMAL, layout);
+    }
+
+    /// Sets all texels of a colour image to zero, whatever it held, and puts it into the general layout.
+    pub fn clear_image(&self, image: &Image) {
+        let layout = vk::ImageLayout::GENERAL;
+        barrier::image_layout(self, image, vk::ImageLayout::UNDEFINED, layout);
+        let (zero, range) = (vk::ClearColorValue::default(), image.all_layers());
+        // SAFETY: the image outlives the submission and is in this layout.
+        unsafe { self.device.raw.cmd_clear_color_image(self.raw, image.raw, layout, &zero, &[range]) };
     }
 
     /// Fills all of `buffer` with `word`.

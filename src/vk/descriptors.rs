@@ -4,6 +4,7 @@ use super::buffer::Buffer;
 use super::device::Device;
 use super::error::{Context, Result};
 use super::image::Image;
+use super::shader::{Shader, Slot};
 use super::texel_buffer::{BufferView, TexelBuffer};
 use ash::vk;
 use std::sync::Arc;
@@ -19,6 +20,10 @@ pub enum Binding<'a> {
     View(&'a BufferView),
     /// An image read by `texelFetch`; depth images are expected in the depth read-only layout.
     Texels(&'a Image),
+    /// An image that shaders load and store texel by texel, always in the general layout ([`Commands::clear_image`]).
+    ///
+    /// [`Commands::clear_image`]: super::Commands::clear_image
+    Stored(&'a Image),
     /// An image read through a sampler.
     Sampled(&'a Image, vk::Sampler),
 }
@@ -29,6 +34,7 @@ impl Binding<'_> {
             Self::Storage(_) => vk::DescriptorType::STORAGE_BUFFER,
             Self::TexelBuffer(_) | Self::View(_) => vk::DescriptorType::UNIFORM_TEXEL_BUFFER,
             Self::Texels(_) => vk::DescriptorType::SAMPLED_IMAGE,
+            Self::Stored(_) => vk::DescriptorType::STORAGE_IMAGE,
             Self::Sampled(..) => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
         }
     }
@@ -37,19 +43,32 @@ impl Binding<'_> {
 /// The kinds of a set's bindings, visible to all stages.
 pub struct SetLayout {
     pub(super) raw: vk::DescriptorSetLayout,
-    kinds: Vec<vk::DescriptorType>,
+    /// Binding and kind of each.
+    pub(super) slots: Vec<(u32, vk::DescriptorType)>,
     device: Arc<Device>,
 }
 
 impl SetLayout {
     /// A layout with one binding a kind, numbered in order.
     pub fn new(device: &Arc<Device>, kinds: &[vk::DescriptorType]) -> Result<Self> {
-        let bindings: Vec<_> = kinds
+        Self::numbered(device, (0..).zip(kinds.iter().copied()).collect())
+    }
+
+    /// The layout of the set `set` that `shaders` declare.
+    pub fn declared(device: &Arc<Device>, shaders: &[&Shader], set: u32) -> Result<Self> {
+        let of_set = shaders.iter().flat_map(|shader| shader.bindings).filter(|slot| slot.set == set);
+        let mut slots: Vec<_> = of_set.map(|slot| (slot.binding, slot.kind)).collect();
+        slots.sort_by_key(|(binding, kind)| (*binding, kind.as_raw()));
+        slots.dedup();
+        Self::numbered(device, slots)
+    }
+
+    fn numbered(device: &Arc<Device>, slots: Vec<(u32, vk::DescriptorType)>) -> Result<Self> {
+        let bindings: Vec<_> = slots
             .iter()
-            .enumerate()
-            .map(|(index, kind)| {
+            .map(|(binding, kind)| {
                 vk::DescriptorSetLayoutBinding::default()
-                    .binding(index as u32)
+                    .binding(*binding)
                     .descriptor_type(*kind)
                     .descriptor_count(1)
                     .stage_flags(
@@ -60,7 +79,7 @@ impl SetLayout {
         let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the device is alive and `info` is complete.
         let raw = unsafe { device.raw.create_descriptor_set_layout(&info, None) }.during("creating a set layout")?;
-        Ok(Self { raw, kinds: kinds.to_vec(), device: device.clone() })
+        Ok(Self { raw, slots, device: device.clone() })
     }
 
     /// The layout that `bindings` have.
@@ -71,7 +90,7 @@ impl SetLayout {
 
 impl SetLayout {
     pub(super) fn storage_buffers(&self) -> u32 {
-        self.kinds.iter().filter(|kind| **kind == vk::DescriptorType::STORAGE_BUFFER).count() as u32
+        self.slots.iter().filter(|(_, kind)| *kind == vk::DescriptorType::STORAGE_BUFFER).count() as u32
     }
 }
 
@@ -90,12 +109,42 @@ pub struct DescriptorSet {
 }
 
 impl DescriptorSet {
-    /// A set that names `bindings`; they must outlive every submission that uses it.
+    /// A set that holds `bindings`, in the order of the layout's.
     pub fn new(layout: &SetLayout, bindings: &[Binding<'_>]) -> Result<Self> {
+        debug_assert_eq!(
+            layout.slots,
+            bindings.iter().map(|b| b.kind()).zip(0..).map(|(k, i)| (i, k)).collect::<Vec<_>>()
+        );
+        Self::holding(layout, (0..).zip(bindings))
+    }
+
+    /// The set `set` that `shaders` declare, with each of its resources by the name that it has there. A resource that is
+    /// missing, of another kind or not declared is a fault of the program and panics.
+    pub fn named(
+        device: &Arc<Device>,
+        shaders: &[&Shader],
+        set: u32,
+        resources: &[(&str, Binding<'_>)],
+    ) -> Result<(SetLayout, Self)> {
+        let slots = || shaders.iter().flat_map(|shader| shader.bindings).filter(|slot| slot.set == set);
+        for (name, _) in resources {
+            assert!(slots().any(|slot| slot.name == *name), "{} declares no {name}", shaders[0].name);
+        }
+        let layout = SetLayout::declared(device, shaders, set)?;
+        let resource = |slot: &Slot| {
+            let found = resources.iter().find(|(name, _)| *name == slot.name);
+            let (_, binding) = found.unwrap_or_else(|| panic!("{} of {} is not bound", slot.name, shaders[0].name));
+            assert_eq!(binding.kind(), slot.kind, "kind of {} in {}", slot.name, shaders[0].name);
+            (slot.binding, binding)
+        };
+        let set = Self::holding(&layout, slots().map(resource))?;
+        Ok((layout, set))
+    }
+
+    fn holding<'a>(layout: &SetLayout, bindings: impl Iterator<Item = (u32, &'a Binding<'a>)>) -> Result<Self> {
         let device = &layout.device;
-        debug_assert!(bindings.iter().map(Binding::kind).eq(layout.kinds.iter().copied()), "bindings fit the layout");
-        let sizes: Vec<_> =
-            layout.kinds.iter().map(|kind| vk::DescriptorPoolSize::default().ty(*kind).descriptor_count(1)).collect();
+        let size = |kind| vk::DescriptorPoolSize::default().ty(kind).descriptor_count(1);
+        let sizes: Vec<_> = layout.slots.iter().map(|(_, kind)| size(*kind)).collect();
         let pool_info = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
         // SAFETY: the device is alive and `pool_info` is complete.
         let pool = unsafe { device.raw.create_descriptor_pool(&pool_info, None) }.during("creating a pool")?;
@@ -104,9 +153,7 @@ impl DescriptorSet {
         let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         // SAFETY: the pool has room for exactly this set.
         set.raw = unsafe { device.raw.allocate_descriptor_sets(&info) }.during("allocating a descriptor set")?[0];
-        for (index, binding) in bindings.iter().enumerate() {
-            set.write(index as u32, binding);
-        }
+        bindings.for_each(|(binding, resource)| set.write(binding, resource));
         Ok(set)
     }
 
@@ -125,9 +172,12 @@ impl DescriptorSet {
                 views[0] = view.raw;
                 write.texel_buffer_view(&views)
             }
-            Binding::Texels(image) | Binding::Sampled(image, _) => {
+            Binding::Texels(image) | Binding::Sampled(image, _) | Binding::Stored(image) => {
                 images[0].image_view = image.view;
-                images[0].image_layout = read_layout(image);
+                images[0].image_layout = match binding {
+                    Binding::Stored(_) => vk::ImageLayout::GENERAL,
+                    _ => read_layout(image),
+                };
                 if let Binding::Sampled(_, sampler) = binding {
                     images[0].sampler = *sampler;
                 }

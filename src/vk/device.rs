@@ -4,11 +4,13 @@ use super::capabilities::Capabilities;
 use super::error::{Context, Error, Result};
 use super::forced::Forced;
 use super::instance::{Instance, PhysicalDevice};
+use super::pipeline_cache::{self, PipelineCache};
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocation, Allocator, AllocatorCreateDesc};
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
@@ -32,15 +34,23 @@ pub struct DeviceOptions {
     pub forced: Forced,
     /// The longest that a submission is waited for. `None`: five minutes, on a CPU an hour.
     pub time_limit: Option<Duration>,
+    /// Where compiled pipelines are kept between runs; `None`: nowhere.
+    pub cache_directory: Option<PathBuf>,
 }
 
 impl DeviceOptions {
-    /// `choice`, with the capabilities that the environment forces.
+    /// `choice`, with the capabilities that the environment forces (`HEMICUBE_FORCE`) and the cache directory that it names
+    /// (`HEMICUBE_CACHE_DIR`, else the platform's).
     ///
     /// # Errors
     /// [`Error::Forced`] where the environment variable cannot be read.
     pub fn from_environment(choice: DeviceChoice) -> Result<Self> {
-        Ok(Self { choice, forced: Forced::from_environment()?, time_limit: None })
+        Ok(Self {
+            choice,
+            forced: Forced::from_environment()?,
+            time_limit: None,
+            cache_directory: pipeline_cache::directory(),
+        })
     }
 }
 
@@ -62,6 +72,7 @@ pub struct Device {
     queue: Mutex<vk::Queue>,
     /// Command pools that no [`super::Commands`] uses now.
     command_pools: Mutex<Vec<vk::CommandPool>>,
+    pub(super) pipeline_cache: PipelineCache,
     /// A submission was given up and may still run: nothing that it uses can be destroyed any more.
     abandoned: AtomicBool,
     debug_utils: Option<ext::debug_utils::Device>,
@@ -99,12 +110,14 @@ impl Device {
         let raw = create_device(&instance, &physical, &capabilities)?;
         // SAFETY: the queue family was given to the device with one queue.
         let queue = unsafe { raw.get_device_queue(capabilities.queue_family, 0) };
+        let pipeline_cache = PipelineCache::load(&instance, &physical, &raw, options.cache_directory.as_deref())?;
         let debug_utils = instance.has_debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
         let allocator = create_allocator(&instance, &raw, physical.raw)?;
         Ok(Arc::new(Self {
             raw,
             queue: Mutex::new(queue),
             command_pools: Mutex::default(),
+            pipeline_cache,
             abandoned: AtomicBool::new(false),
             debug_utils,
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
@@ -115,6 +128,11 @@ impl Device {
             physical,
             instance,
         }))
+    }
+
+    /// What happened to the file of compiled pipelines, in words.
+    pub fn pipeline_cache_note(&self) -> &str {
+        &self.pipeline_cache.note
     }
 
     /// Device memory in use, now and at its peak.
@@ -246,6 +264,8 @@ impl Drop for Device {
         // SAFETY: all that was made from the device held an Arc of it, so it is gone and the queue is idle.
         unsafe {
             let _ = self.raw.device_wait_idle();
+            self.pipeline_cache.save(&self.raw);
+            self.raw.destroy_pipeline_cache(self.pipeline_cache.raw, None);
             ManuallyDrop::drop(&mut self.allocator);
             for pool in lock(&self.command_pools).drain(..) {
                 self.raw.destroy_command_pool(pool, None);

@@ -12,7 +12,7 @@ pub struct Frame {
     pub tangent: [f32; 4],
     /// Second axis; projection scale along it.
     pub bitangent: [f32; 4],
-    /// Axis of the view; 1/depth range of an orthographic view.
+    /// Axis of the view; 1/depth range of an orthographic view, of a perspective one the share of its depth that matters.
     pub normal: [f32; 4],
     /// Plane below which nothing is seen.
     pub horizon: [f32; 4],
@@ -72,7 +72,7 @@ pub struct Payload {
 pub struct LightSample {
     /// Position; squared disc radius of an area sample.
     pub position: [f32; 4],
-    /// Axis; cosine of a spot's outer angle.
+    /// Axis; 1 − cos of a spot's outer angle.
     pub direction: [f32; 4],
     /// Irradiance, intensity, or radiance × area; a spot's falloff scale.
     pub power: [f32; 4],

@@ -104,6 +104,13 @@ impl Image {
         }
     }
 
+    pub(super) fn all_layers(&self) -> vk::ImageSubresourceRange {
+        vk::ImageSubresourceRange::default()
+            .aspect_mask(self.aspect())
+            .level_count(1)
+            .layer_count(self.desc.layers.unwrap_or(1))
+    }
+
     fn layers(&self) -> vk::ImageSubresourceLayers {
         let layers = self.desc.layers.unwrap_or(1);
         vk::ImageSubresourceLayers::default().aspect_mask(self.aspect()).layer_count(layers)
@@ -136,15 +143,11 @@ impl Image {
     fn create_view(&self) -> Result<vk::ImageView> {
         let kind =
             if self.desc.layers.is_some() { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
-        let range = vk::ImageSubresourceRange::default()
-            .aspect_mask(self.aspect())
-            .level_count(1)
-            .layer_count(self.desc.layers.unwrap_or(1));
         let info = vk::ImageViewCreateInfo::default()
             .image(self.raw)
             .view_type(kind)
             .format(self.desc.format)
-            .subresource_range(range);
+            .subresource_range(self.all_layers());
         // SAFETY: the image is alive and bound to memory.
         unsafe { self.device.raw.create_image_view(&info, None) }.during("creating an image view")
     }

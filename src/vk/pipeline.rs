@@ -6,7 +6,7 @@ use super::descriptors::{DescriptorSet, SetLayout};
 use super::device::Device;
 use super::error::{Context, Error, Result};
 use super::render_pass::RenderPass;
-use super::shader::{ShaderModule, Specialisation};
+use super::shader::{Entries, Shader, ShaderModule, Values};
 use ash::vk;
 use bytemuck::Pod;
 use std::sync::Arc;
@@ -20,6 +20,9 @@ const ALL_STAGES: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(
 /// Sets and push constants of a pipeline.
 pub struct PipelineLayout {
     raw: vk::PipelineLayout,
+    /// Binding and kind of each resource, by set.
+    sets: Vec<Vec<(u32, vk::DescriptorType)>>,
+    push_bytes: u32,
     device: Arc<Device>,
 }
 
@@ -27,6 +30,7 @@ impl PipelineLayout {
     /// A layout with these sets in order and `push_bytes` of push constants (at most 128).
     pub fn new(device: &Arc<Device>, sets: &[&SetLayout], push_bytes: u32) -> Result<Arc<Self>> {
         check_storage_buffers(device, sets)?;
+        let slots = sets.iter().map(|set| set.slots.clone()).collect();
         let sets: Vec<_> = sets.iter().map(|set| set.raw).collect();
         let ranges = [vk::PushConstantRange { stage_flags: ALL_STAGES, offset: 0, size: push_bytes }];
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(if push_bytes > 0 {
@@ -36,7 +40,7 @@ impl PipelineLayout {
         });
         // SAFETY: the set layouts are alive.
         let raw = unsafe { device.raw.create_pipeline_layout(&info, None) }.during("creating a pipeline layout")?;
-        Ok(Arc::new(Self { raw, device: device.clone() }))
+        Ok(Arc::new(Self { raw, sets: slots, push_bytes, device: device.clone() }))
     }
 
     /// Sets the push constants.
@@ -44,6 +48,23 @@ impl PipelineLayout {
         let bytes = bytemuck::bytes_of(constants);
         // SAFETY: the layout declares the range for these stages.
         unsafe { self.device.raw.cmd_push_constants(commands.raw, self.raw, ALL_STAGES, 0, bytes) };
+    }
+
+    /// Panics where `shaders` declare other resources or push constants than the layout has: a fault of the program.
+    fn check(&self, shaders: &[&Shader]) {
+        for shader in shaders {
+            for slot in shader.bindings {
+                let has = self.sets.get(slot.set as usize).is_some_and(|set| set.contains(&(slot.binding, slot.kind)));
+                assert!(has, "{}: {} is not in the layout as {:?}", shader.name, slot.name, slot);
+            }
+        }
+        let declared = shaders.iter().map(|shader| shader.push_bytes).max().unwrap_or(0);
+        assert!(
+            declared <= self.push_bytes && self.push_bytes < declared + 16,
+            "{}: push constants of {declared} bytes, given {}",
+            shaders[0].name,
+            self.push_bytes
+        );
     }
 
     fn bind_sets(&self, commands: &Commands, point: vk::PipelineBindPoint, sets: &[&DescriptorSet]) {
@@ -84,12 +105,17 @@ pub struct ComputePipeline {
 
 impl ComputePipeline {
     /// Makes a pipeline of one shader.
-    pub fn new(name: &str, layout: &Arc<PipelineLayout>, spirv: &[u8], constants: &Specialisation) -> Result<Self> {
+    pub fn new(
+        name: &str,
+        layout: &Arc<PipelineLayout>,
+        shader: &Shader,
+        constants: impl Into<Values>,
+    ) -> Result<Self> {
         let device = &layout.device;
-        let module = ShaderModule::new(device, spirv)?;
-        let entries = constants.entries();
-        let data = bytemuck::cast_slice(&constants.0);
-        let specialisation = vk::SpecializationInfo::default().map_entries(&entries).data(data);
+        layout.check(&[shader]);
+        let module = ShaderModule::new(device, shader)?;
+        let entries = Entries::new(&constants.into().of(shader, &[shader]));
+        let specialisation = entries.info();
         let stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module.raw)
@@ -97,7 +123,7 @@ impl ComputePipeline {
             .specialization_info(&specialisation);
         let info = [vk::ComputePipelineCreateInfo::default().stage(stage).layout(layout.raw)];
         // SAFETY: module, layout and constants live through the call.
-        let made = unsafe { device.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+        let made = unsafe { device.raw.create_compute_pipelines(device.pipeline_cache.raw, &info, None) };
         let raw = made.map_err(|(_, result)| result).during("creating a compute pipeline")?[0];
         device.name(raw, name);
         Ok(Self { raw, layout: layout.clone(), device: device.clone() })
@@ -138,11 +164,11 @@ pub struct GraphicsDesc<'a> {
     /// Debug name.
     pub name: &'a str,
     /// Vertex shader.
-    pub vertex: &'a [u8],
+    pub vertex: &'a Shader,
     /// Fragment shader; `None` writes depth alone.
-    pub fragment: Option<&'a [u8]>,
+    pub fragment: Option<&'a Shader>,
     /// Values for both shaders.
-    pub constants: Specialisation,
+    pub constants: Values,
     /// Vertex buffers.
     pub input: VertexInput,
     /// Triangle list or strip.
@@ -164,19 +190,20 @@ impl GraphicsPipeline {
     pub fn new(layout: &Arc<PipelineLayout>, pass: &RenderPass, subpass: u32, desc: &GraphicsDesc<'_>) -> Result<Self> {
         let device = &layout.device;
         let vertex = ShaderModule::new(device, desc.vertex)?;
-        let fragment = desc.fragment.map(|spirv| ShaderModule::new(device, spirv)).transpose()?;
-        let entries = desc.constants.entries();
-        let data = bytemuck::cast_slice(&desc.constants.0);
-        let specialisation = vk::SpecializationInfo::default().map_entries(&entries).data(data);
-        let stage = |flag, module: &ShaderModule| {
+        let fragment = desc.fragment.map(|shader| ShaderModule::new(device, shader)).transpose()?;
+        let shaders: Vec<_> = std::iter::once(desc.vertex).chain(desc.fragment).collect();
+        layout.check(&shaders);
+        let entries: Vec<_> = shaders.iter().map(|shader| Entries::new(&desc.constants.of(shader, &shaders))).collect();
+        let specialisations: Vec<_> = entries.iter().map(Entries::info).collect();
+        let stage = |flag, module: &ShaderModule, specialisation| {
             vk::PipelineShaderStageCreateInfo::default()
                 .stage(flag)
                 .module(module.raw)
                 .name(c"main")
-                .specialization_info(&specialisation)
+                .specialization_info(specialisation)
         };
-        let stages: Vec<_> = std::iter::once(stage(vk::ShaderStageFlags::VERTEX, &vertex))
-            .chain(fragment.iter().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module)))
+        let stages: Vec<_> = std::iter::once(stage(vk::ShaderStageFlags::VERTEX, &vertex, &specialisations[0]))
+            .chain(fragment.iter().map(|module| stage(vk::ShaderStageFlags::FRAGMENT, module, &specialisations[1])))
             .collect();
         let stride =
             [vk::VertexInputBindingDescription { binding: 0, stride: 12, input_rate: vk::VertexInputRate::VERTEX }];
@@ -222,7 +249,7 @@ impl GraphicsPipeline {
             .render_pass(pass.raw)
             .subpass(subpass)];
         // SAFETY: all that `info` points to lives through the call.
-        let made = unsafe { device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &info, None) };
+        let made = unsafe { device.raw.create_graphics_pipelines(device.pipeline_cache.raw, &info, None) };
         let raw = made.map_err(|(_, result)| result).during("creating a graphics pipeline")?[0];
         device.name(raw, desc.name);
         Ok(Self { raw, layout: layout.clone(), device: device.clone() })

@@ -75,8 +75,8 @@ fn a_spot_its_cone_and_its_shadow() {
             position: light.as_vec3(),
             direction: axis.as_vec3(),
             intensity: tinted(4.0),
-            cos_inner: cos_inner as f32,
-            cos_outer: cos_outer as f32,
+            cos_inner,
+            cos_outer,
         });
         let picture = picture(&scene, &above(), &Settings { bounces: 0, ..small(96) });
         let lit = |p: DVec3, n| {

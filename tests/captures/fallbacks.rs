@@ -7,7 +7,7 @@ use glam::{Mat3, Vec3, dvec3, vec3};
 use hemicube::image::metrics::measure as measure_image;
 use hemicube::math::capture::Projection;
 use hemicube::methods::captures::CaptureMode;
-use hemicube::renderer::{RenderError, Rendered, TooLarge, render};
+use hemicube::renderer::{Part, RenderError, Rendered, TooLarge, render};
 use hemicube::scene::{Light, Material, Scene, TextureRef, cornell};
 use hemicube::vk::{self, Device, DeviceChoice, Instance};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ fn every_size_renders_and_the_plan_says_by_what() {
             (settings.cache.capture, settings.cache.capture_size) = (capture, size);
             let rendered = draw(&scene, &scene.cameras[0], &settings);
             check_complete(&rendered);
-            let left_out = |pass| rendered.plan.left_out.iter().find(|l| l.pass == pass).map(|l| l.why.clone());
+            let left_out = |pass| rendered.plan.left_out().iter().find(|l| l.pass == pass).map(|l| l.why.clone());
             let ran = |pass| rendered.passes.iter().any(|p| p.name == pass);
             assert!(ran("capture") != ran("capture_compute"));
             let is_curved = capture.projection() == Projection::Hemisphere && ran("capture");
@@ -115,7 +115,9 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
         assert!(off(rendered, &whole) < 0.01);
         let told = rendered.warnings.iter().filter(|warning| warning.contains(by_workgroups)).count();
         assert_eq!([told, rendered.warnings.len()], [usize::from(ends); 2], "{:?}", rendered.warnings);
-        assert!(rendered.plan.run.contains(&"capture_compute") || !gpu().is_cpu());
+        let times = |pass| rendered.passes.iter().filter(|p| p.name == pass).count();
+        assert_eq!([times("gbuffer"), times("resolve")], [1; 2], "the records alone are made anew");
+        assert!(rendered.plan.run().contains(&"capture_compute") || !gpu().is_cpu());
     }
     let whole = by(CaptureMode::Hemicube, &many).unwrap();
     assert!(whole.warnings.is_empty());
@@ -142,7 +144,7 @@ fn what_outlasts_the_loops_of_a_device_is_told() {
 const TOO_FEW_TEXELS: &str = "a texel buffer of the device holds";
 
 fn why_not_in_compute(rendered: &Rendered) -> Option<&str> {
-    rendered.plan.left_out.iter().find(|left| left.pass == "capture_compute").map(|left| left.why.as_str())
+    rendered.plan.why_not(Part::CaptureCompute)
 }
 
 fn sheets(count: u32) -> Scene {

@@ -7,6 +7,7 @@
 mod common;
 mod conformance;
 mod pictures;
+mod probe;
 mod refusals;
 mod reports;
 mod unread;

@@ -45,8 +45,8 @@ pub struct RenderArgs {
     /// Samples of all emissive triangles together, one for each at least; the noise of soft shadows falls with their number
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) light_samples: Option<u32>,
-    /// Cells that the surfaces are cut into to hold their lit radiance, about, finer near the camera; each triangle
-    /// has at least one
+    /// Cells that the surfaces are cut into to hold their lit radiance, about, finer near small triangles and near the
+    /// file's cameras; each triangle has at least one
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) surface_cells: Option<u32>,
     /// Ward's a: a record reaches a times R (--radius). Smaller: more records, less error

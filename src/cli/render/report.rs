@@ -4,12 +4,12 @@ use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
 use hemicube::methods::rates::Rates;
-use hemicube::renderer::{Plan, Rendered, Settings};
+use hemicube::renderer::{Part, Plan, Rendered, Settings};
 use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
 use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
 use hemicube::report::trace::Trace;
-use hemicube::scene::{Camera, Scene};
+use hemicube::scene::Scene;
 use hemicube::vk::{Device, Span};
 use serde_json::json;
 use std::path::Path;
@@ -37,7 +37,7 @@ impl Report {
     }
 
     /// Says what is rendered, on what, and what is left out.
-    pub fn scene(&self, scene: &Scene, camera: &Camera, note: Option<&str>, settings: &Settings) {
+    pub fn scene(&self, scene: &Scene, note: Option<&str>, settings: &Settings) {
         if self.talk.quiet {
             return;
         }
@@ -51,13 +51,20 @@ impl Report {
         );
         note.into_iter().for_each(|note| say!("note: {note}"));
         if self.talk.verbose {
+            say!("note: {}", self.device.pipeline_cache_note());
             scene.notes.iter().for_each(|note| say!("note: {note}"));
         } else if !scene.notes.is_empty() {
             say!("note: {} remarks on the file; -v shows them", scene.notes.len());
         }
-        let plan = Plan::of(scene, camera, settings, Some(&self.device));
-        say!("plan: {}", plan.run.join(", "));
-        for left in &plan.left_out {
+    }
+
+    /// Says what runs, and what does not and why.
+    pub fn plan(&self, plan: &Plan) {
+        if self.talk.quiet {
+            return;
+        }
+        say!("plan: {}", plan.run().join(", "));
+        for left in plan.left_out() {
             say!("left out: {} ({})", left.pass, left.why);
         }
     }
@@ -151,14 +158,14 @@ impl Report {
         stats.scene = SceneStats {
             triangles: scene.triangles.len() as u64,
             vertices: scene.positions.len() as u64,
-            lights: scene.lights.len() as u64 + u64::from(rendered.plan.emission),
+            lights: scene.lights.len() as u64 + u64::from(rendered.plan.runs(Part::Emission)),
             materials: scene.parts.len() as u64,
         };
         stats.plan = PlanStats {
-            run: rendered.plan.run.iter().map(|s| (*s).to_owned()).collect(),
+            run: rendered.plan.run().iter().map(|s| (*s).to_owned()).collect(),
             left_out: rendered
                 .plan
-                .left_out
+                .left_out()
                 .iter()
                 .map(|l| LeftOut { pass: l.pass.to_owned(), why: l.why.clone() })
                 .collect(),
@@ -205,7 +212,7 @@ impl Report {
 fn limits(rendered: &Rendered, profile: &Profile, rates: &Rates) -> Vec<Share> {
     let Some(work) = rendered.cache.work else { return Vec::new() };
     let compute = rates.compute.unwrap_or_default();
-    let integrated = if rendered.plan.compute { compute.integrated_texels } else { rates.integrated_texels };
+    let integrated = if rendered.plan.compute() { compute.integrated_texels } else { rates.integrated_texels };
     let rows = [
         ("capture", "triangles × views", work.triangle_views, rates.triangle_views),
         ("capture_compute", "triangles × views", work.triangle_views, compute.triangle_views),

@@ -1,6 +1,6 @@
 use super::*;
 use crate::math::cells::centre;
-use crate::math::density::Eye;
+use crate::math::density::Focus;
 use crate::math::merge::tests::{shadow, sheet};
 use glam::Vec2;
 
@@ -22,7 +22,7 @@ impl Sheet {
         let Self { positions, triangles, first_cell } = self;
         let count = triangles.len() as u32;
         let corners = triangles.iter().map(|t| t.map(|v| positions[v as usize]));
-        let density = Density::new(corners, count, None);
+        let density = Density::new(corners, count, &[]);
         let surface = Surface { positions, triangles, first_cell, density: &density };
         Levels::new(&surface, First { triangle: count, cell: count })
     }
@@ -93,9 +93,9 @@ fn coarse_cells_show_cells_of_the_surface_beside_them() {
 #[test]
 fn coarse_cells_are_no_more_than_memory_is_foreseen_for() {
     let Sheet { positions, triangles, .. } = Sheet::new(128, 0.0);
-    for eye in [None, Some(Eye::new(Vec3::new(0.5, 0.5, 0.1), 0.7))] {
+    for foci in [&[][..], &[Focus::camera(Vec3::new(0.5, 0.5, 0.1), 0.7)]] {
         let corners = |t: &[u32; 3]| t.map(|v| positions[v as usize]);
-        let density = Density::new(triangles.iter().map(corners), 9 * triangles.len() as u32, eye);
+        let density = Density::new(triangles.iter().map(corners), 9 * triangles.len() as u32, foci);
         let counts = triangles.iter().map(|t| density.resolution(&corners(t), 0.0).pow(2));
         let end = |end: &mut u32, n: u32| Some(std::mem::replace(end, *end + n));
         let first_cell: Vec<u32> = counts.chain([0]).scan(0, end).collect();

@@ -5,8 +5,8 @@ use crate::passes::geometry::{DrawRange, Geometry};
 use crate::passes::material::{Textures, Variant};
 use crate::scene::Scene;
 use crate::vk::{
-    Device, GraphicsDesc, GraphicsPipeline, PipelineLayout, RenderPass, Result, SetLayout, Specialisation, VertexInput,
-    spirv,
+    Device, GraphicsDesc, GraphicsPipeline, PipelineLayout, RenderPass, Result, SetLayout, Shader, Specialisation,
+    VertexInput, spirv,
 };
 use ash::vk;
 use std::sync::Arc;
@@ -87,8 +87,8 @@ impl PipelineBuilder<'_> {
         &self,
         layout: &Arc<PipelineLayout>,
         subpasses: u32,
-        vertex: &[u8],
-        fragment: Option<&[u8]>,
+        vertex: &Shader,
+        fragment: Option<&Shader>,
         input: VertexInput,
         constants: impl Fn(&[u32]) -> Specialisation,
     ) -> Result<Vec<GraphicsPipeline>> {
@@ -96,7 +96,7 @@ impl PipelineBuilder<'_> {
             name: self.desc.name,
             vertex,
             fragment,
-            constants: constants(&[self.desc.views.code(), self.has_horizon(), u32::from(self.fan > 1)]),
+            constants: constants(&[self.desc.views.code(), self.has_horizon(), u32::from(self.fan > 1)]).into(),
             input,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             additive: false,

@@ -1,25 +1,46 @@
 //! The cells that the surface is cut into.
 
-use crate::math::density::{Density, Eye};
-use crate::scene::Scene;
+use crate::math::density::{Density, Focus};
+use crate::scene::{Camera, Lens, Scene};
+
+/// Cameras of a file near which cells are finer: its first ones.
+const MOST_CAMERAS: usize = 16;
+/// Share of all cameras together beside that of all detail, which is 1.
+const CAMERAS: f32 = 3.0;
 
 /// How finely the surface is cut.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellBudget {
     /// Cells altogether, about: each triangle has one at least.
     pub count: u32,
     /// Where cells are finer; nowhere without.
-    pub eye: Option<Eye>,
+    pub foci: Vec<Focus>,
 }
 
 impl CellBudget {
     /// So many, all of one size.
     pub fn even(count: u32) -> Self {
-        Self { count, eye: None }
+        Self { count, foci: Vec::new() }
+    }
+
+    /// So many, finer near the detail of `scene` and near the cameras of its file.
+    pub fn focused(scene: &Scene, count: u32) -> Self {
+        let (low, high) = scene.bounds();
+        let radius = (high - low).length() * 0.5;
+        let triangles: Vec<_> = scene.triangles.iter().map(|t| corners(scene, t)).collect();
+        let mut foci = Focus::detail(&triangles, radius);
+        let perspective = |camera: &&Camera| matches!(camera.lens, Lens::Perspective { .. });
+        let cameras = || scene.cameras.iter().filter(perspective).take(MOST_CAMERAS);
+        let share = CAMERAS / cameras().count() as f32;
+        foci.extend(cameras().map(|camera| {
+            let position = camera.camera_to_world.w_axis.truncate().as_vec3();
+            Focus { share, ..Focus::camera(position, radius) }
+        }));
+        Self { count, foci }
     }
 
     fn density(&self, scene: &Scene, triangles: &[[u32; 3]]) -> Density {
-        Density::new(triangles.iter().map(|t| corners(scene, t)), self.count, self.eye)
+        Density::new(triangles.iter().map(|t| corners(scene, t)), self.count, &self.foci)
     }
 }
 

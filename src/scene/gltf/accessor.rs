@@ -36,6 +36,15 @@ struct Sparse<'a> {
     values: Packed<'a>,
 }
 
+/// Little-endian numbers without gaps that stand for an accessor.
+pub struct Decompressed {
+    pub bytes: Vec<u8>,
+    /// Unsigned 32-bit integers rather than 32-bit floats.
+    pub integers: bool,
+    /// Numbers an element.
+    pub components: usize,
+}
+
 impl<'a> Reader<'a> {
     /// Opens an accessor whose elements have a number of components in `components`.
     pub fn open(
@@ -45,11 +54,12 @@ impl<'a> Reader<'a> {
         components: RangeInclusive<usize>,
     ) -> Result<Self> {
         let accessor = item(&document.accessors, "accessor", index)?;
-        let (component, found) = layout(accessor, components.contains(&16))?;
-        if !components.contains(&found) {
-            let wanted = components.start();
-            return Err(Fault::invalid(format!("has {found} components an element where {wanted} are needed")));
+        if let Some(values) = buffers.decompressed(index) {
+            fits(&components, values.components)?;
+            return Ok(Self::of_decompressed(values));
         }
+        let (component, found) = layout(accessor, components.contains(&16))?;
+        fits(&components, found)?;
         let count = accessor.count.0;
         let size = found * component.size();
         let base = match accessor.buffer_view {
@@ -61,6 +71,14 @@ impl<'a> Reader<'a> {
         let sparse = accessor.sparse.as_ref().map(|s| open_sparse(s, buffers, count, size, component));
         let sparse = sparse.transpose().within(|| "sparse")?;
         Ok(Self { count: count as usize, components: found, normalized: accessor.normalized, base, sparse })
+    }
+
+    fn of_decompressed(values: &'a Decompressed) -> Self {
+        let component = if values.integers { Component::U32 } else { Component::F32 };
+        let stride = (values.components * component.size()).max(1);
+        let base = Packed { bytes: &values.bytes, stride, component };
+        let count = values.bytes.len() / stride;
+        Self { count, components: values.components, normalized: false, base, sparse: None }
     }
 
     /// Refuses signed and floating components: `use_` needs unsigned integers.
@@ -128,6 +146,14 @@ impl Sparse<'_> {
     }
 }
 
+fn fits(wanted: &RangeInclusive<usize>, found: usize) -> Result<()> {
+    if wanted.contains(&found) {
+        return Ok(());
+    }
+    let wanted = wanted.start();
+    Err(Fault::invalid(format!("has {found} components an element where {wanted} are needed")))
+}
+
 /// Component and number of components of an element; of 4 × 4 matrices only where `matrices` are wanted.
 fn layout(accessor: &json::Accessor, matrices: bool) -> Result<(Component, usize)> {
     let Checked::Valid(component) = accessor.component_type else {
@@ -171,7 +197,7 @@ fn packed<'a>(
     let source = buffers.view(view)?;
     let stride = source.stride.unwrap_or(size);
     if count == 0 {
-        return Err(Fault::invalid("count is 0"));
+        return Ok(Packed { bytes: &[], stride, component });
     }
     if stride < size {
         return Err(Fault::invalid(format!(
@@ -192,9 +218,6 @@ fn packed<'a>(
 
 /// An accessor without a view: all zeros, but for what is sparse.
 fn zeros<'a>(count: u64, buffers: &Buffers<'_>, component: Component) -> Result<Packed<'a>> {
-    if count == 0 {
-        return Err(Fault::invalid("count is 0"));
-    }
     if count > LARGEST_ZERO_FILL.max(buffers.fetched_bytes()) {
         return Err(Fault::new(
             Kind::TooLarge,

@@ -1,11 +1,12 @@
 //! Buffers and buffer views, read when first used.
 
+use super::accessor::Decompressed;
 use super::container::{Container, Resolver, fetch};
 use super::document::{Document, item};
 use super::error::{Fault, Result, Within, label};
-use super::{compressed, views};
+use super::{Notes, compressed, views};
 use std::borrow::Cow;
-use std::cell::{Cell, OnceCell};
+use std::cell::{Cell, OnceCell, RefCell};
 
 /// Largest buffer without URI that is read as zeros.
 const NAMELESS: u64 = 1 << 16;
@@ -26,8 +27,12 @@ pub struct Buffers<'a> {
     resolve: &'a Resolver<'a>,
     buffers: Vec<OnceCell<Result<Cow<'a, [u8]>>>>,
     decoded: Vec<OnceCell<Result<compressed::Decoded>>>,
+    /// What Draco code holds in place of accessors.
+    decompressed: Vec<OnceCell<Decompressed>>,
     /// Bytes fetched so far.
     fetched: Cell<u64>,
+    /// What was tolerated while fetching.
+    notes: RefCell<Notes>,
 }
 
 impl<'a> Buffers<'a> {
@@ -41,7 +46,9 @@ impl<'a> Buffers<'a> {
             resolve,
             buffers,
             decoded,
+            decompressed: document.accessors.iter().map(|_| OnceCell::new()).collect(),
             fetched: Cell::new(0),
+            notes: RefCell::default(),
         }
     }
 
@@ -50,9 +57,24 @@ impl<'a> Buffers<'a> {
         self.fetched.get()
     }
 
+    /// What stands for an accessor, where Draco code held it.
+    pub fn decompressed(&self, accessor: usize) -> Option<&Decompressed> {
+        self.decompressed.get(accessor)?.get()
+    }
+
+    /// Lets `values` stand for an accessor; the first ones count.
+    pub fn set_decompressed(&self, accessor: usize, values: Decompressed) {
+        self.decompressed.get(accessor).map(|place| place.set(values).ok());
+    }
+
+    /// Takes what was tolerated while fetching.
+    pub fn take_notes(&self) -> Notes {
+        self.notes.take()
+    }
+
     /// The bytes that `uri` names, counted.
     pub fn fetch(&self, uri: &str) -> Result<Vec<u8>> {
-        let bytes = fetch(uri, self.resolve)?;
+        let bytes = fetch(uri, self.resolve, &mut self.notes.borrow_mut())?;
         self.fetched.set(self.fetched.get().saturating_add(bytes.len() as u64));
         Ok(bytes)
     }

@@ -1,5 +1,6 @@
 //! From bytes to JSON and binary chunk (GLB), and from URIs to bytes.
 
+use super::Notes;
 use super::error::{Fault, Kind, Result, quote};
 use std::borrow::Cow;
 use std::io;
@@ -13,21 +14,55 @@ const CHUNK_BIN: u32 = 0x004E_4942;
 
 /// A file's JSON text and, of a GLB, its binary chunk.
 pub struct Container<'a> {
-    pub json: &'a [u8],
+    /// UTF-8, without byte order mark and padding.
+    pub json: Cow<'a, [u8]>,
     pub bin: Option<&'a [u8]>,
     pub is_glb: bool,
 }
 
 /// Splits a .glb into its chunks; a .gltf is its own JSON.
-pub fn open(bytes: &[u8]) -> Result<Container<'_>> {
-    if bytes.starts_with(GLB_MAGIC) {
-        return open_glb(bytes);
-    }
-    match bytes.iter().find(|b| !b.is_ascii_whitespace()) {
-        Some(b'{') => Ok(Container { json: bytes, bin: None, is_glb: false }),
+pub fn open<'a>(bytes: &'a [u8], notes: &mut Notes) -> Result<Container<'a>> {
+    let container = if bytes.starts_with(GLB_MAGIC) {
+        open_glb(bytes)?
+    } else {
+        Container { json: bytes.into(), bin: None, is_glb: false }
+    };
+    let json = plain_text(container.json, notes)?;
+    match json.iter().find(|b| !b.is_ascii_whitespace()) {
+        Some(b'{') => Ok(Container { json, ..container }),
+        _ if container.is_glb => Ok(Container { json, ..container }),
         Some(_) => Err(Fault::new(Kind::NotGltf, "it starts neither like JSON nor like a .glb")),
         None => Err(Fault::new(Kind::NotGltf, "it is empty")),
     }
+}
+
+/// The JSON text as UTF-8, without what some writers put before and after it.
+fn plain_text<'a>(json: Cow<'a, [u8]>, notes: &mut Notes) -> Result<Cow<'a, [u8]>> {
+    let json = match *json.first_chunk().unwrap_or(&[0; 2]) {
+        [0xFF, 0xFE] | [b'{', 0] => Cow::Owned(from_utf16(&json, u16::from_le_bytes, notes)?),
+        [0xFE, 0xFF] | [0, b'{'] => Cow::Owned(from_utf16(&json, u16::from_be_bytes, notes)?),
+        _ => json,
+    };
+    let marked = json.starts_with("\u{FEFF}".as_bytes());
+    notes.add_if("the JSON begins with a byte order mark, which is skipped", marked);
+    let start = if marked { 3 } else { 0 };
+    let end = json.iter().rposition(|b| *b != 0).map_or(0, |last| last + 1).max(start);
+    notes.add_if("the JSON is padded with zeros in place of spaces", end < json.len() && end > start);
+    Ok(match json {
+        Cow::Borrowed(json) => Cow::Borrowed(&json[start..end]),
+        Cow::Owned(mut json) => {
+            json.truncate(end);
+            json.drain(..start);
+            Cow::Owned(json)
+        }
+    })
+}
+
+fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16, notes: &mut Notes) -> Result<Vec<u8>> {
+    notes.add("the JSON is UTF-16 in place of UTF-8");
+    let units: Vec<u16> = bytes.as_chunks().0.iter().map(|pair| unit(*pair)).collect();
+    let text = String::from_utf16(&units);
+    text.map(String::into_bytes).map_err(|_| Fault::new(Kind::NotGltf, "its UTF-16 is broken; save it as UTF-8"))
 }
 
 fn open_glb(bytes: &[u8]) -> Result<Container<'_>> {
@@ -62,20 +97,40 @@ fn open_glb(bytes: &[u8]) -> Result<Container<'_>> {
         }
         at = start + (size as usize).next_multiple_of(4);
     }
-    json.map(|json| Container { json, bin, is_glb: true }).ok_or_else(|| bad("the GLB holds no JSON chunk".into()))
+    json.map(|json| Container { json: json.into(), bin, is_glb: true })
+        .ok_or_else(|| bad("the GLB holds no JSON chunk".into()))
 }
 
 /// The bytes that `uri` names: a data: URI's own, or a file's through `resolve`.
-pub fn fetch(uri: &str, resolve: &Resolver<'_>) -> Result<Vec<u8>> {
+pub fn fetch(uri: &str, resolve: &Resolver<'_>, notes: &mut Notes) -> Result<Vec<u8>> {
+    let uri = uri.trim();
     if uri.get(..5).is_some_and(|s| s.eq_ignore_ascii_case("data:")) {
-        return data_uri(&uri[5..]);
+        return data_uri(&uri[5..], notes);
     }
     if let Some(scheme) = scheme(uri) {
         let what = format!("URI \"{}\": scheme {scheme} is not read; save the file beside the scene", quote(uri));
         return Err(Fault::new(Kind::Unsupported, what));
     }
     let path = percent_decode(uri)?;
-    resolve(&path).map_err(|e| Fault::new(Kind::Read, format!("cannot read \"{}\": {e}", quote(&path))))
+    resolve(&path).or_else(|error| elsewhere(uri, &path, resolve, notes).ok_or(error)).map_err(|e| {
+        Fault::new(
+            Kind::Read,
+            format!("cannot read \"{}\": {e}; put the file there or re-export as .glb", quote(&path)),
+        )
+    })
+}
+
+/// The file by the names that it may have where a writer did not follow RFC 3986: back slashes, or % for itself.
+fn elsewhere(uri: &str, path: &str, resolve: &Resolver<'_>, notes: &mut Notes) -> Option<Vec<u8>> {
+    if path.contains('\\')
+        && let Ok(bytes) = resolve(&path.replace('\\', "/"))
+    {
+        notes.add("back slashes in file names are read as slashes");
+        return Some(bytes);
+    }
+    let bytes = (uri != path).then(|| resolve(uri).ok()).flatten()?;
+    notes.add("file names with % are read as they are written");
+    Some(bytes)
 }
 
 /// `http` of `http://…`; a single letter is a drive of a path, not a scheme.
@@ -85,13 +140,27 @@ fn scheme(uri: &str) -> Option<&str> {
     fits.then_some(scheme)
 }
 
-/// Decodes the part after `data:`; only base64, as glTF says.
-fn data_uri(rest: &str) -> Result<Vec<u8>> {
+/// Decodes the part after `data:`: base64, as glTF says, or else percent-encoded bytes (RFC 2397).
+fn data_uri(rest: &str, notes: &mut Notes) -> Result<Vec<u8>> {
     let (head, payload) = rest.split_once(',').ok_or_else(|| Fault::invalid("data URI without a comma"))?;
-    if !head.ends_with(";base64") {
-        return Err(Fault::invalid("data URI that is not base64"));
+    let encoding = head.rsplit(';').next().unwrap_or_default().trim();
+    let is_base64 = encoding.eq_ignore_ascii_case("base64");
+    notes.add_if(
+        "data URIs that are not marked as ;base64 in small letters are read all the same",
+        encoding != "base64",
+    );
+    if !is_base64 {
+        return Ok(percent_bytes(payload).into_owned());
     }
-    base64(payload.as_bytes()).ok_or_else(|| Fault::invalid("data URI whose base64 is broken"))
+    let plain = percent_bytes(payload);
+    notes.add_if("percent-encoded base64 is decoded", matches!(plain, Cow::Owned(_)));
+    let wrapped = plain.iter().any(u8::is_ascii_whitespace);
+    notes.add_if("white space in base64 is skipped", wrapped);
+    let decoded = match wrapped {
+        true => base64(&plain.iter().copied().filter(|c| !c.is_ascii_whitespace()).collect::<Vec<u8>>()),
+        false => base64(&plain),
+    };
+    decoded.ok_or_else(|| Fault::invalid("data URI whose base64 is broken; re-export the file"))
 }
 
 /// RFC 4648 base64, padding optional.
@@ -123,26 +192,33 @@ fn sextet(c: u8) -> Option<u8> {
     })
 }
 
-/// Undoes %XX escapes. A stray % stays, as writers that forget to escape mean it so.
+/// Undoes %XX escapes of a path.
 fn percent_decode(uri: &str) -> Result<Cow<'_, str>> {
-    if !uri.contains('%') {
-        return Ok(Cow::Borrowed(uri));
+    match percent_bytes(uri) {
+        Cow::Borrowed(_) => Ok(Cow::Borrowed(uri)),
+        Cow::Owned(bytes) => {
+            let decoded = String::from_utf8(bytes).ok().filter(|s| !s.contains('\0'));
+            decoded.map(Cow::Owned).ok_or_else(|| Fault::invalid(format!("URI \"{}\" is not a path", quote(uri))))
+        }
     }
-    let bytes = uri.as_bytes();
+}
+
+/// Undoes %XX escapes. A stray % stays, as writers that forget to escape mean it so.
+fn percent_bytes(text: &str) -> Cow<'_, [u8]> {
+    let bytes = text.as_bytes();
+    if !bytes.contains(&b'%') {
+        return Cow::Borrowed(bytes);
+    }
+    let digit = |at: usize| bytes.get(at).and_then(|b| char::from(*b).to_digit(16));
     let mut out = Vec::with_capacity(bytes.len());
     let mut at = 0;
     while at < bytes.len() {
-        let escape = bytes.get(at + 1..at + 3).and_then(|hex| {
-            let hex = std::str::from_utf8(hex).ok().filter(|h| h.bytes().all(|b| b.is_ascii_hexdigit()))?;
-            u8::from_str_radix(hex, 16).ok()
-        });
-        match (bytes[at], escape) {
-            (b'%', Some(byte)) => (out.push(byte), at += 3),
-            (byte, _) => (out.push(byte), at += 1),
+        match (bytes[at], digit(at + 1), digit(at + 2)) {
+            (b'%', Some(high), Some(low)) => (out.push((high * 16 + low) as u8), at += 3),
+            (byte, ..) => (out.push(byte), at += 1),
         };
     }
-    let decoded = String::from_utf8(out).ok().filter(|s| !s.contains('\0'));
-    decoded.map(Cow::Owned).ok_or_else(|| Fault::invalid(format!("URI \"{}\" is not a path", quote(uri))))
+    Cow::Owned(out)
 }
 
 #[cfg(test)]
@@ -180,9 +256,10 @@ mod tests {
     #[test]
     fn network_uris_are_refused_and_drive_letters_are_not() {
         let none = |_: &str| Err(io::Error::from(io::ErrorKind::NotFound));
-        let fault = fetch("https://example.org/a.bin", &none).unwrap_err();
+        let mut notes = Notes::default();
+        let fault = fetch("https://example.org/a.bin", &none, &mut notes).unwrap_err();
         assert_eq!(fault.kind, Kind::Unsupported);
         assert!(fault.what.contains("https"), "{}", fault.what);
-        assert_eq!(fetch("C:/a.bin", &none).unwrap_err().kind, Kind::Read);
+        assert_eq!(fetch("C:/a.bin", &none, &mut notes).unwrap_err().kind, Kind::Read);
     }
 }

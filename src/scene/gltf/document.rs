@@ -59,8 +59,21 @@ pub struct Node {
 pub struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub light: Option<LightUse>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub visibility: Option<Visibility>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub instancing: Option<Instancing>,
+}
+
+/// KHR_node_visibility on a node.
+#[derive(Debug, Deserialize)]
+pub struct Visibility {
+    #[serde(default = "visible")]
+    pub visible: bool,
+}
+
+fn visible() -> bool {
+    true
 }
 
 /// KHR_lights_punctual on a node.
@@ -172,7 +185,10 @@ fn whole_numbers(value: Value) -> Value {
 fn check_version(root: &Map<String, Value>) -> Result<()> {
     let of = |key: &str| root.get("asset").and_then(|a| a.get(key)).and_then(Value::as_str);
     let Some(version) = of("version") else {
-        return Err(Fault::new(Kind::NotGltf, "asset.version is missing"));
+        return Err(Fault::new(
+            Kind::NotGltf,
+            "asset.version is missing; a glTF 2.0 file has \"asset\": {\"version\": \"2.0\"}",
+        ));
     };
     let needed = of("minVersion").unwrap_or(version);
     let major = |v: &str| v.split('.').next().and_then(|n| n.parse::<u32>().ok());

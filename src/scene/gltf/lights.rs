@@ -12,16 +12,32 @@ use json::validation::Checked;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// All lights in node order, relative to `origin`.
-pub fn lights(document: &Document, placed: &[Placed], origin: DVec3) -> Result<Vec<Light>> {
+pub fn lights(document: &Document, placed: &[Placed], origin: DVec3, notes: &mut Notes) -> Result<Vec<Light>> {
     let mut lights = Vec::new();
-    for p in placed {
+    for p in placed.iter().filter(|p| !p.hidden) {
         if let Some(used) = &document.nodes[p.node].extensions.light {
             let light = item(&document.lights, "light", used.light).within(|| document.node_label(p.node))?;
             let converted = light_at(light, p.to_world, origin);
-            lights.push(converted.within(|| label("light", used.light, light.name.as_deref()))?);
+            let at = || label("light", used.light, light.name.as_deref());
+            let converted = converted.within(at)?;
+            if let Some(what) = hard_or_wide(&converted, light.spot.as_ref()) {
+                notes.add(format!("{}: {what}", at()));
+            }
+            lights.push(converted);
         }
     }
     Ok(lights)
+}
+
+/// What a spot's cone is taken for where the file's is not one that glTF allows.
+fn hard_or_wide(light: &Light, spot: Option<&punctual::Spot>) -> Option<&'static str> {
+    let Light::Spot { cos_inner, cos_outer, .. } = light else { return None };
+    let wide = spot.is_some_and(|spot| f64::from(spot.outer_cone_angle) > FRAC_PI_2 + 1e-6);
+    match (wide, cos_inner == cos_outer) {
+        (true, _) => Some("its outer cone angle is above π/2 and taken as that"),
+        (false, true) => Some("its cone angles are equal: its edge is hard"),
+        (false, false) => None,
+    }
 }
 
 fn light_at(light: &punctual::Light, to_world: DMat4, origin: DVec3) -> Result<Light> {
@@ -48,17 +64,15 @@ fn light_at(light: &punctual::Light, to_world: DMat4, origin: DVec3) -> Result<L
     }
 }
 
-/// Cosines of the inner and outer half angles.
-fn cone(spot: Option<&punctual::Spot>) -> Result<(f32, f32)> {
+/// Cosines of the inner and outer half angles. Equal ones make a hard edge; an outer one above π/2 counts as that.
+fn cone(spot: Option<&punctual::Spot>) -> Result<(f64, f64)> {
     let spot = spot.ok_or_else(|| Fault::invalid("a spot light without cone angles"))?;
     let (inner, outer) = (f64::from(spot.inner_cone_angle), f64::from(spot.outer_cone_angle));
-    // Single precision rounds π/2 up.
-    if !(inner >= 0.0 && inner < outer && outer <= FRAC_PI_2 + 1e-6) {
+    // Angles in degrees for radians are beyond π; π/2 in single precision is a little above it.
+    if !(inner >= 0.0 && inner <= outer && outer > 0.0 && outer <= PI + 1e-6) {
         return Err(Fault::invalid(format!("cone angles {inner} and {outer} do not rise within [0, π/2]")));
     }
-    let (cos_inner, cos_outer) = (inner.cos() as f32, outer.cos().max(0.0) as f32);
-    // Angles too small or too near for single precision: the narrowest edge that it can tell.
-    Ok((cos_inner, if cos_outer < cos_inner { cos_outer } else { cos_inner.next_down() }))
+    Ok((inner.min(FRAC_PI_2).cos().max(0.0), outer.min(FRAC_PI_2).cos().max(0.0)))
 }
 
 /// All cameras in node order, relative to `origin`.

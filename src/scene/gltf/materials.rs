@@ -49,28 +49,66 @@ pub fn convert(
 }
 
 fn convert_one(material: &json::Material, store: &mut TextureStore<'_, '_>, notes: &mut Notes) -> Result<Material> {
-    let (base_color, base_texture) = base(material)?;
+    let (base_color, base_info) = base(material)?;
+    let sets = coordinate_sets(material);
     let emission = emission(material)?;
-    let emission_texture = material.emissive_texture.as_ref().filter(|_| emission != Vec3::ZERO);
+    let emission_info = material.emissive_texture.as_ref().filter(|_| emission != Vec3::ZERO);
     let normal = material.normal_texture.as_ref();
+    let mut base_color = clamp_color(base_color, notes)?;
+    let base_found = texture(base_info.as_ref().map(plain_use), sets, store).within(|| "base colour")?;
+    let normal_found = texture(normal.map(normal_use), sets, store).within(|| "normal map")?;
+    let emission_found = texture(emission_info.map(plain_use), sets, store).within(|| "emission")?;
+    let dark = matches!(emission_found, Found::Missing(_));
     Ok(Material {
         name: material.name.clone().unwrap_or_default(),
-        base_color: clamp_color(base_color, notes)?,
-        base_texture: or_none(base_texture.map(|t| texture(&t, store).within(|| "base colour")), notes)?,
-        normal_texture: or_none(normal.map(|t| normal_texture(t, store).within(|| "normal map")), notes)?,
+        base_texture: base_picture(base_found, &mut base_color, notes),
+        base_color,
+        normal_texture: normal_found.or_noted("the surface is smooth in its place", notes),
         normal_scale: normal.map_or(1.0, |t| if t.scale.is_finite() { t.scale } else { 1.0 }),
-        emission,
-        emission_texture: or_none(emission_texture.map(|t| texture(t, store).within(|| "emission")), notes)?,
+        emission: if dark { Vec3::ZERO } else { emission },
+        emission_texture: emission_found.or_noted("it does not shine", notes),
         alpha_cutoff: alpha_cutoff(material, notes),
         double_sided: material.double_sided,
     })
 }
 
-/// The texture that a material reads; a note where that shows no image.
-fn or_none(texture: Option<Result<Option<TextureRef>>>, notes: &mut Notes) -> Result<Option<TextureRef>> {
-    let Some(texture) = texture.transpose()? else { return Ok(None) };
-    notes.add_if("textures without an image are left out", texture.is_none());
-    Ok(texture)
+/// What stands for a picture that cannot be shown.
+const STAND_IN: f32 = 0.5;
+
+/// The base colour's texture. Where its picture cannot be shown, grey stands for it.
+fn base_picture(found: Found, color: &mut Vec4, notes: &mut Notes) -> Option<TextureRef> {
+    if let Found::Missing(what) = &found {
+        notes.add(format!("{what}: grey of {STAND_IN} in its place"));
+        *color *= Vec4::new(STAND_IN, STAND_IN, STAND_IN, 1.0);
+    }
+    found.shown(notes)
+}
+
+impl Found {
+    /// The use of a texture that there is.
+    fn shown(self, notes: &mut Notes) -> Option<TextureRef> {
+        notes.add_if("textures without an image are left out", matches!(self, Self::Nothing));
+        if let Self::Texture(texture) = self { Some(texture) } else { None }
+    }
+
+    /// The same, with a note on what is missing.
+    fn or_noted(self, without: &str, notes: &mut Notes) -> Option<TextureRef> {
+        if let Self::Missing(what) = &self {
+            notes.add(format!("{what}: {without}"));
+        }
+        self.shown(notes)
+    }
+}
+
+/// What a material finds where it names a texture.
+enum Found {
+    Texture(TextureRef),
+    /// A texture that shows no image.
+    Nothing,
+    /// One that cannot be shown, and why.
+    Missing(String),
+    /// The material names none.
+    Unnamed,
 }
 
 /// Base colour, from the specular-glossiness extension where the material has it.
@@ -116,38 +154,65 @@ fn alpha_cutoff(material: &json::Material, notes: &mut Notes) -> Option<f32> {
     }
 }
 
-fn texture(info: &json::texture::Info, store: &mut TextureStore<'_, '_>) -> Result<Option<TextureRef>> {
-    let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
-    texture_ref(info.index.value(), info.tex_coord, transform, store)
+/// Where a texture's coordinates are from: the info's set and transform.
+type Use = (usize, u32, Option<TextureTransform>);
+
+fn plain_use(info: &json::texture::Info) -> Result<Use> {
+    let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.clone());
+    Ok((info.index.value(), info.tex_coord, transform))
 }
 
-fn normal_texture(
-    info: &json::material::NormalTexture,
-    store: &mut TextureStore<'_, '_>,
-) -> Result<Option<TextureRef>> {
+fn normal_use(info: &json::material::NormalTexture) -> Result<Use> {
     let name = "KHR_texture_transform";
     let value = info.extensions.as_ref().and_then(|e| e.others.get(name));
     let transform = value.map(TextureTransform::deserialize).transpose();
-    let transform = transform.map_err(|e| Fault::invalid(format!("{name}: {e}")))?;
-    texture_ref(info.index.value(), info.tex_coord, transform.as_ref(), store)
+    Ok((info.index.value(), info.tex_coord, transform.map_err(|e| Fault::invalid(format!("{name}: {e}")))?))
 }
 
-fn texture_ref(
-    index: usize,
-    set: u32,
-    transform: Option<&TextureTransform>,
-    store: &mut TextureStore<'_, '_>,
-) -> Result<Option<TextureRef>> {
-    let set = transform.and_then(|t| t.tex_coord).unwrap_or(set);
-    if set > 1 {
-        let what = format!("texture coordinate set {set} is not supported; use set 0 or 1");
-        return Err(Fault::new(Kind::Unsupported, what));
+fn set_of((_, set, transform): &Use) -> u32 {
+    transform.as_ref().and_then(|t| t.tex_coord).unwrap_or(*set)
+}
+
+/// The coordinate sets that the material's textures read, in the places that they have in a scene. Sets 0 and 1 keep
+/// theirs; a higher one takes what is free.
+pub fn coordinate_sets(material: &json::Material) -> [u32; 2] {
+    let mut sets: Vec<u32> = uses(material).iter().flatten().map(set_of).collect();
+    sets.sort_unstable();
+    sets.dedup();
+    match sets[..] {
+        [] | [0] | [1] => [0, 1],
+        [1, high] => [high, 1],
+        [low, high, ..] => [low, high],
+        [high] => [high, 1],
     }
-    let transform = transform.map_or(Mat3::IDENTITY, matrix);
+}
+
+/// Uses of base colour, normal map and emission, as far as they can be read.
+fn uses(material: &json::Material) -> [Option<Use>; 3] {
+    let base = base(material).ok().and_then(|(_, info)| plain_use(&info?).ok());
+    let normal = material.normal_texture.as_ref().and_then(|info| normal_use(info).ok());
+    let emission = material.emissive_texture.as_ref().filter(|_| emission(material).is_ok_and(|e| e != Vec3::ZERO));
+    [base, normal, emission.and_then(|info| plain_use(info).ok())]
+}
+
+fn texture(used: Option<Result<Use>>, sets: [u32; 2], store: &mut TextureStore<'_, '_>) -> Result<Found> {
+    let Some(used) = used.transpose()? else { return Ok(Found::Unnamed) };
+    let set = set_of(&used);
+    let Some(place) = sets.iter().position(|s| *s == set) else {
+        let what = format!("texture coordinate sets {} and {}, and {set}: two can be read at once", sets[0], sets[1]);
+        return Err(Fault::new(Kind::Unsupported, what));
+    };
+    let (index, _, transform) = used;
+    let transform = transform.as_ref().map_or(Mat3::IDENTITY, matrix);
     if !transform.is_finite() {
         return Err(Fault::invalid("its texture transform is not finite"));
     }
-    Ok(store.get(index)?.map(|texture| TextureRef { texture, set, transform }))
+    match store.get(index) {
+        Ok(Some(texture)) => Ok(Found::Texture(TextureRef { texture, set: place as u32, transform })),
+        Ok(None) => Ok(Found::Nothing),
+        Err(fault) if matches!(fault.kind, Kind::TooLarge | Kind::Unsupported) => Err(fault),
+        Err(fault) => Ok(Found::Missing(fault.what)),
+    }
 }
 
 /// Scale, then rotation, then offset (KHR_texture_transform). v points down, so the rotation that looks

@@ -11,6 +11,7 @@ pub(super) mod compressed;
 pub(super) mod container;
 pub(super) mod deform;
 pub(super) mod document;
+pub(super) mod draco;
 pub(super) mod extensions;
 pub(super) mod lights;
 pub(super) mod materials;
@@ -43,6 +44,11 @@ impl Notes {
             None if self.0.len() < MOST_NOTES => self.0.push((note, times)),
             None => {}
         }
+    }
+
+    /// Adds all of `other`.
+    pub fn append(&mut self, other: Self) {
+        other.0.into_iter().for_each(|(note, times)| self.add_times(note, times));
     }
 
     /// Remembers `note` if `seen`.

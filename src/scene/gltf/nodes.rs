@@ -1,5 +1,6 @@
 //! The node hierarchy, flattened to world transforms in double precision.
 
+use super::Notes;
 use super::accessor::Reader;
 use super::animation::{NodePose, Poses};
 use super::buffers::Buffers;
@@ -7,28 +8,31 @@ use super::document::{Document, Instancing, Node, item};
 use super::error::{Fault, Result, Within};
 use glam::{DMat4, DQuat, DVec3};
 
-/// A node of the scene that is drawn, and where it stands in the world.
+/// A node of the scene, and where it stands in the world.
 pub struct Placed {
     pub node: usize,
     pub to_world: DMat4,
+    /// KHR_node_visibility hides it or one above it: neither its mesh nor its light counts.
+    pub hidden: bool,
 }
 
 /// All nodes under the default scene, parents before children.
-pub fn flatten(document: &Document, poses: &Poses) -> Result<Vec<Placed>> {
+pub fn flatten(document: &Document, poses: &Poses, notes: &mut Notes) -> Result<Vec<Placed>> {
     let parents = parents(document)?;
     let mut stack = Vec::new();
-    for root in roots(document, &parents)?.into_iter().rev() {
-        stack.push((root, DMat4::IDENTITY));
+    for root in roots(document, &parents, notes)?.into_iter().rev() {
+        stack.push((root, DMat4::IDENTITY, false));
     }
     let mut placed = Vec::with_capacity(document.nodes.len());
-    while let Some((index, parent)) = stack.pop() {
+    while let Some((index, parent, hidden)) = stack.pop() {
         let node = &document.nodes[index];
-        let to_world = parent * local(node, poses.get(&index)).within(|| document.node_label(index))?;
+        let to_world = parent * local(node, poses.get(&index), notes).within(|| document.node_label(index))?;
         if !to_world.is_finite() {
             return Err(Fault::invalid("its world transform is not finite").within(document.node_label(index)));
         }
-        stack.extend(node.children.iter().rev().map(|child| (*child, to_world)));
-        placed.push(Placed { node: index, to_world });
+        let hidden = hidden || node.extensions.visibility.as_ref().is_some_and(|v| !v.visible);
+        stack.extend(node.children.iter().rev().map(|child| (*child, to_world, hidden)));
+        placed.push(Placed { node: index, to_world, hidden });
     }
     Ok(placed)
 }
@@ -40,8 +44,11 @@ fn parents(document: &Document) -> Result<Vec<Option<usize>>> {
         for &child in &node.children {
             item(&document.nodes, "child node", child).within(|| document.node_label(index))?;
             if let Some(other) = parents[child].replace(index) {
-                let what =
-                    format!("has two parents, {} and {}", document.node_label(other), document.node_label(index));
+                let what = format!(
+                    "has two parents, {} and {}; give each its own copy",
+                    document.node_label(other),
+                    document.node_label(index)
+                );
                 return Err(Fault::invalid(what).within(document.node_label(child)));
             }
         }
@@ -61,7 +68,7 @@ fn parents(document: &Document) -> Result<Vec<Option<usize>>> {
 }
 
 /// Roots of the default scene, else of the first, else all nodes without a parent.
-fn roots(document: &Document, parents: &[Option<usize>]) -> Result<Vec<usize>> {
+fn roots(document: &Document, parents: &[Option<usize>], notes: &mut Notes) -> Result<Vec<usize>> {
     let index = document.scene.unwrap_or(0);
     let scene = match document.scenes.get(index) {
         Some(scene) => scene,
@@ -69,18 +76,42 @@ fn roots(document: &Document, parents: &[Option<usize>]) -> Result<Vec<usize>> {
         None => return item(&document.scenes, "scene", index).map(|_| Vec::new()),
     };
     let mut listed = vec![false; parents.len()];
+    let mut roots = Vec::new();
     for &root in &scene.nodes {
         item(&document.nodes, "node", root).within(|| format!("scene {index}"))?;
-        if parents[root].is_some() || std::mem::replace(&mut listed[root], true) {
-            let what = format!("{} is listed twice or is not a root", document.node_label(root));
-            return Err(Fault::invalid(what).within(format!("scene {index}")));
+        if std::mem::replace(&mut listed[root], true) {
+            notes.add("nodes that the scene lists twice are drawn once");
+        } else {
+            roots.push(root);
         }
     }
-    Ok(scene.nodes.clone())
+    let under_another = below(document, &listed);
+    roots.retain(|root| !under_another[*root]);
+    notes.add_times_if("nodes that the scene lists and that stand below another of its nodes are drawn there", {
+        listed.iter().zip(&under_another).filter(|(listed, below)| **listed && **below).count()
+    });
+    let children = roots.iter().filter(|root| parents[**root].is_some()).count();
+    notes
+        .add_times_if("nodes that the scene lists and whose parent it does not are drawn without the parent", children);
+    Ok(roots)
+}
+
+/// Which nodes have one of those `listed` above them.
+fn below(document: &Document, listed: &[bool]) -> Vec<bool> {
+    let mut below = vec![false; listed.len()];
+    let mut stack: Vec<usize> = (0..listed.len()).filter(|i| listed[*i]).collect();
+    while let Some(index) = stack.pop() {
+        for &child in &document.nodes[index].children {
+            if !std::mem::replace(&mut below[child], true) && !listed[child] {
+                stack.push(child);
+            }
+        }
+    }
+    below
 }
 
 /// A node's own transform; what the pose says of it goes before what the node says.
-fn local(node: &Node, pose: Option<&NodePose>) -> Result<DMat4> {
+fn local(node: &Node, pose: Option<&NodePose>, notes: &mut Notes) -> Result<DMat4> {
     let own = || (node.translation.map(DVec3::from), node.rotation.map(DQuat::from_array), node.scale.map(DVec3::from));
     let moved = pose.filter(|p| p.translation.is_some() || p.rotation.is_some() || p.scale.is_some());
     let (translation, rotation, scale) = match (node.matrix, moved) {
@@ -93,7 +124,7 @@ fn local(node: &Node, pose: Option<&NodePose>) -> Result<DMat4> {
     };
     let translation = moved.and_then(|p| p.translation).map(DVec3::from).or(translation);
     let rotation = moved.and_then(|p| p.rotation).map(DQuat::from_array).or(rotation);
-    trs(translation, rotation, moved.and_then(|p| p.scale).map(DVec3::from).or(scale))
+    trs(translation, rotation, moved.and_then(|p| p.scale).map(DVec3::from).or(scale), notes)
 }
 
 fn affine(matrix: [f64; 16]) -> Result<DMat4> {
@@ -104,24 +135,27 @@ fn affine(matrix: [f64; 16]) -> Result<DMat4> {
 
 /// A node's own transform; the identity for a node whose transform is broken.
 pub fn local_or_identity(document: &Document, index: usize, poses: &Poses) -> DMat4 {
-    local(&document.nodes[index], poses.get(&index)).unwrap_or(DMat4::IDENTITY)
+    local(&document.nodes[index], poses.get(&index), &mut Notes::default()).unwrap_or(DMat4::IDENTITY)
 }
 
-fn trs(translation: Option<DVec3>, rotation: Option<DQuat>, scale: Option<DVec3>) -> Result<DMat4> {
+fn trs(translation: Option<DVec3>, rotation: Option<DQuat>, scale: Option<DVec3>, notes: &mut Notes) -> Result<DMat4> {
     let rotation = rotation.unwrap_or(DQuat::IDENTITY);
     let length = rotation.length();
-    if !(length.is_finite() && length > 0.0) {
-        return Err(Fault::invalid("its rotation has no length"));
+    if !length.is_finite() {
+        return Err(Fault::invalid("its rotation is not finite"));
     }
+    notes.add_if("rotations that are 0 are taken as none", length == 0.0);
+    let rotation = if length > 0.0 { rotation / length } else { DQuat::IDENTITY };
     let (scale, translation) = (scale.unwrap_or(DVec3::ONE), translation.unwrap_or(DVec3::ZERO));
-    Ok(DMat4::from_scale_rotation_translation(scale, rotation / length, translation))
+    Ok(DMat4::from_scale_rotation_translation(scale, rotation, translation))
 }
 
 /// Transforms of a node's instances under the node (EXT_mesh_gpu_instancing); just the identity without the extension.
-pub fn instances(document: &Document, buffers: &Buffers<'_>, node: &Node) -> Result<Vec<DMat4>> {
+pub fn instances(document: &Document, buffers: &Buffers<'_>, node: &Node, notes: &mut Notes) -> Result<Vec<DMat4>> {
     let Some(instancing) = &node.extensions.instancing else { return Ok(vec![DMat4::IDENTITY]) };
     let instances = Instances::open(document, buffers, instancing);
-    let all = instances.and_then(|of| (0..of.count).map(|i| of.get(i).within(|| format!("instance {i}"))).collect());
+    let all =
+        instances.and_then(|of| (0..of.count).map(|i| of.get(i, notes).within(|| format!("instance {i}"))).collect());
     all.within(|| "EXT_mesh_gpu_instancing")
 }
 
@@ -160,9 +194,9 @@ impl<'a> Instances<'a> {
         Ok(Self { count, translation, rotation, scale })
     }
 
-    fn get(&self, i: usize) -> Result<DMat4> {
+    fn get(&self, i: usize, notes: &mut Notes) -> Result<DMat4> {
         let vector = |r: &Option<Reader<'_>>| r.as_ref().map(|r| DVec3::from(r.get::<3>(i).map(f64::from)));
         let rotation = self.rotation.as_ref().map(|r| DQuat::from_array(r.get::<4>(i).map(f64::from)));
-        trs(vector(&self.translation), rotation, vector(&self.scale))
+        trs(vector(&self.translation), rotation, vector(&self.scale), notes)
     }
 }

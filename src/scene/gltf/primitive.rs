@@ -1,10 +1,11 @@
 //! Mesh primitives as triangle lists over the vertices that they use, in the mesh's own space.
 
-use super::Notes;
 use super::accessor::Reader;
 use super::buffers::Buffers;
 use super::document::Document;
+use super::draco;
 use super::error::{Fault, Kind, Result, Within};
+use super::{Notes, materials};
 use gltf::json;
 use json::mesh::{Mode, Semantic};
 use json::validation::Checked;
@@ -44,21 +45,27 @@ pub fn read(
         notes.add("primitives of points or lines are left out");
         return Ok(None);
     }
+    // Draco's code holds lists, whatever the mode says.
+    let mode = if draco::decode(document, buffers, primitive)? { Mode::Triangles } else { mode };
     let source = Source { document, buffers, primitive };
     let Some((position_accessor, positions)) = source.attribute(&Semantic::Positions, 3..=3, "POSITION")? else {
         notes.add("primitives without positions are left out");
         return Ok(None);
     };
-    let corners = source.corners(positions.count, budget)?;
+    let corners = if positions.count > 0 { source.corners(positions.count, budget)? } else { Vec::new() };
+    if corners.is_empty() {
+        notes.add("primitives without vertices are left out");
+        return Ok(None);
+    }
     let mut triangles = triangles(&corners, mode);
     if triangles.len() * 3 < corners.len() && mode == Mode::Triangles {
         notes.add("primitives whose vertex count is no multiple of three lose the rest");
     }
     let used = compact(&mut triangles, positions.count);
-    let uvs = [
-        source.stream(&Semantic::TexCoords(0), 2..=2, "TEXCOORD_0", &used, positions.count)?,
-        source.stream(&Semantic::TexCoords(1), 2..=2, "TEXCOORD_1", &used, positions.count)?,
-    ];
+    let material = primitive.material.and_then(|m| document.materials.get(m.value()));
+    let [first, second] = material.map_or([0, 1], |material| materials::coordinate_sets(material));
+    let set = |n: u32| source.stream(&Semantic::TexCoords(n), 2..=2, &format!("TEXCOORD_{n}"), &used, positions.count);
+    let uvs = [set(first)?, set(second)?];
     Ok(Some(Primitive {
         material: primitive.material.map(|m| m.value()),
         position_accessor,

@@ -86,7 +86,13 @@ impl<'a, 'b> TextureStore<'a, 'b> {
         let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format();
         let reader = reader.map_err(|e| Fault::invalid(format!("cannot be decoded: {e}")))?;
         if reader.format().is_none() {
-            return Err(Fault::new(Kind::Unsupported, "is neither PNG nor JPEG nor WebP; convert it"));
+            if bytes.starts_with(b"\xABKTX ") {
+                return Err(Fault::new(
+                    Kind::Unsupported,
+                    "is KTX2, which is not read; convert it to PNG, JPEG or WebP",
+                ));
+            }
+            return Err(Fault::new(Kind::Invalid, "is neither PNG nor JPEG nor WebP; convert it to one of these"));
         }
         let decoder = reader.into_decoder().map_err(broken)?;
         let (width, height) = decoder.dimensions();
@@ -121,12 +127,14 @@ fn source(texture: &json::Texture) -> Result<Option<usize>> {
         let index = webp.get("source").and_then(serde_json::Value::as_u64);
         return index.map(|i| Some(i as usize)).ok_or_else(|| Fault::invalid("EXT_texture_webp: source is missing"));
     }
-    let elsewhere = texture.extensions.as_ref().is_some_and(|e| !e.others.is_empty());
+    let others: Vec<&str> = texture.extensions.iter().flat_map(|e| e.others.keys()).map(String::as_str).collect();
+    let elsewhere = !others.is_empty();
     match texture.source.value() {
         // How the gltf crate says that there is none.
-        missing if missing == u32::MAX as usize && elsewhere => {
-            Err(Fault::new(Kind::Unsupported, "has no PNG, JPEG or WebP image; re-export with one"))
-        }
+        missing if missing == u32::MAX as usize && elsewhere => Err(Fault::new(
+            Kind::Unsupported,
+            format!("has only an image of {}, which is not read; re-export with PNG, JPEG or WebP", others.join(", ")),
+        )),
         missing if missing == u32::MAX as usize => Ok(None),
         index => Ok(Some(index)),
     }

@@ -24,7 +24,7 @@ fn lights_stand_at_their_node_and_shine_along_minus_z() {
     let light = lit(json!({"type": "spot", "spot": {"innerConeAngle": 0.25}}));
     let Light::Spot { direction, cos_inner, cos_outer, .. } = light else { panic!("{light:?}") };
     assert!(close(direction, Vec3::NEG_Y));
-    assert!((cos_inner - 0.25f32.cos()).abs() < 1e-6 && (cos_outer - FRAC_PI_4.cos()).abs() < 1e-6);
+    assert!((cos_inner - 0.25f64.cos()).abs() < 1e-6 && (cos_outer - f64::from(FRAC_PI_4).cos()).abs() < 1e-6);
 }
 
 #[test]

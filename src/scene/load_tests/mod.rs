@@ -7,6 +7,7 @@ mod lights;
 mod materials;
 mod placement;
 mod pose;
+mod tolerance;
 mod triangles;
 
 use super::*;
