@@ -13,7 +13,7 @@ const MOST_PLACES: usize = 64;
 const SMALLEST: f32 = 1.0 / (1 << 20) as f32;
 /// Sides of triangles beside a place of detail are cut only if they are longer than so many of its sizes: then few rooms are cut for
 /// the boxes in them.
-const WHOLE: f32 = 6.0;
+const WHOLE: f32 = 7.0;
 
 /// A place near which cells are finer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,7 +46,7 @@ impl Focus {
         Self { position, nearest: radius * NEAREST, share: 1.0, whole: radius * NEAREST }
     }
 
-    /// Where a surface has small triangles, at most [`MOST_PLACES`] places; together they have a share of 1.
+    /// Where a surface has small triangles, at most `MOST_PLACES` places; together they have a share of 1.
     ///
     /// Each place is a cube of a grid as coarse as the triangles in it are large, however many these are: a detailed figure counts
     /// by its size, not by its triangles. Where there are too many places, the finest grids are left out.

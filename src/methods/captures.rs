@@ -221,9 +221,12 @@ impl Captures {
             let new_slices = |far: Far| Slices::new(device, (geometry, tree), far.grid);
             let slices = far.map(new_slices).transpose()?;
             let sums = CaptureCompute::sums(device, (geometry, tree), &looks);
-            let texels = u64::from(sums.map_or(looks.texels(), |sums| sums.border));
-            let by_texels = Gathered::most_viewed(device, kinds) / texels;
-            let capacity = u64::from(capacity).min(by_texels).max(1) as u32;
+            let texels = u64::from(looks.texels());
+            let most = match sums {
+                Some(sums) => Gathered::most_summed(device, sums, kinds),
+                None => Gathered::most_viewed(device, kinds) / texels,
+            };
+            let capacity = u64::from(capacity).min(most).max(1) as u32;
             let gathered = match sums {
                 Some(sums) => Gathered::summed(device, capacity, sums, kinds)?,
                 None => Gathered::viewed(device, texels * u64::from(capacity), kinds)?,
@@ -244,17 +247,18 @@ impl Captures {
                 follows_outlines: follows,
             });
         }
+        let texels = projection.table(size).texels.len() as u32;
+        let most = Gathered::most_plain(device, texels, kinds);
         let desc = CaptureDesc {
             name: "capture",
             views,
             size,
-            capacity,
+            capacity: u64::from(capacity).min(most).max(1) as u32,
             identity: true,
             culled: pays_to_cull(device, geometry.triangle_count),
         };
         let capture = Capture::counted(device, ground.scene, geometry, ground.textures, desc, drawn)?;
         let capacity = capture.desc.capacity;
-        let texels = projection.table(size).texels.len() as u32;
         let gathered = Gathered::plain(device, u64::from(texels) * u64::from(capacity), kinds)?;
         let follows = may_sum && pays_to_follow(geometry, projection, kinds, texels);
         let neighbours = follows.then(|| geometry.neighbours(device, &ground.scene.positions)).transpose()?;

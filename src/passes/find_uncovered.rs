@@ -86,7 +86,7 @@ impl FindUncovered {
                 "find_uncovered",
                 &pipeline_layout,
                 code,
-                &Specialisation(vec![index, u32::from(has_contrast)]),
+                Specialisation(vec![index, u32::from(has_contrast)]),
             )
         };
         Ok(Self {

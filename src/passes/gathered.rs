@@ -96,6 +96,18 @@ impl Gathered {
         values / u64::from(kinds.stride())
     }
 
+    /// Records of so many `texels` that one buffer holds as storage, at most.
+    pub fn most_plain(device: &Device, texels: u32, kinds: Kinds) -> u64 {
+        u64::from(device.capabilities.limits.max_storage_buffer_range) / Self::bytes(texels.into(), kinds)
+    }
+
+    /// Records that are summed, at most: each of their buffers is within the device's limits.
+    pub fn most_summed(device: &Device, of_each: FaceCounts, kinds: Kinds) -> u64 {
+        let floats = of_each.texels.max(of_each.parts * kinds.sums());
+        let stored = u64::from(device.capabilities.limits.max_storage_buffer_range) / 4 / u64::from(floats);
+        stored.min(Self::most_viewed(device, kinds) / u64::from(of_each.border))
+    }
+
     /// The buffer as storage.
     pub fn buffer(&self) -> &Buffer {
         match &self.memory {

@@ -58,7 +58,7 @@ impl PlaceRecords {
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Placement>() as u32)?;
         let code = spirv!("place_records", "place_records.comp");
-        let pipeline = ComputePipeline::new("place_records", &pipeline_layout, code, &Specialisation::default())?;
+        let pipeline = ComputePipeline::new("place_records", &pipeline_layout, code, Specialisation::default())?;
         Ok(Self { pipeline, set, _layout: layout })
     }
 

@@ -62,7 +62,7 @@ impl Dispatch {
         let layout = SetLayout::of(device, bindings)?;
         let set = DescriptorSet::new(&layout, bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let pipeline = ComputePipeline::new("slices", &pipeline_layout, code, &Specialisation(constants))?;
+        let pipeline = ComputePipeline::new("slices", &pipeline_layout, code, Specialisation(constants))?;
         Ok(Self { pipeline, set, _layout: layout })
     }
 

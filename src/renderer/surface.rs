@@ -22,9 +22,11 @@ pub(super) struct Surface {
     pub(super) sky: Option<Sky>,
     pub(super) lights: Vec<DirectLight>,
     pub(super) size: SurfaceSize,
-    /// Captures see the lit cells.
+    /// Captures see the cells.
+    is_captured: bool,
+    /// Captures see light on the cells.
     has_cells: bool,
-    /// The cells are lit.
+    /// The cells are lit, or cleared where no light is to be seen on them.
     is_lit: bool,
 }
 
@@ -45,7 +47,8 @@ impl Surface {
         let sky = plan.runs(Part::Sky).then(|| Sky::new(device, &scene.background, true)).transpose()?;
         clock.lap("upload scene");
         let has_cells = plan.captures && settings.bounces > 0;
-        let mut surface = Self { geometry, textures, sky, lights: Vec::new(), size, has_cells, is_lit: false };
+        let (is_captured, lights) = (plan.captures, Vec::new());
+        let mut surface = Self { geometry, textures, sky, lights, size, is_captured, has_cells, is_lit: false };
         let ground = surface.ground(scene);
         let coarse = plan.runs(Part::CoarseCasters).then(|| CoarseSurface::new(device, &ground)).transpose()?.flatten();
         if plan.runs(Part::CoarseCasters) && coarse.is_none() {
@@ -76,7 +79,7 @@ impl Surface {
         on_progress: OnProgress<'_>,
     ) -> Result<(), VulkanError> {
         let cells = self.has_cells && !self.is_lit;
-        if cells {
+        if self.is_captured && !self.is_lit {
             recorder.submit(|recording| {
                 recording.pass("clear", |c| {
                     c.fill(&self.geometry.cell_radiance, 0);

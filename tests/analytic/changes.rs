@@ -2,10 +2,10 @@
 
 use super::difference;
 use crate::common::{picture, small};
-use glam::{dvec3, vec3};
+use glam::{DVec3, vec3};
 use hemicube::scene::{Camera, Light, Limits, Scene, cornell, load_from_slice};
 
-/// Every length times `scale`.
+/// Every length times `scale`, also of the scene's own cameras, near which its cells are finer.
 fn scaled(scene: &Scene, camera: &Camera, scale: f32) -> (Scene, Camera) {
     let (mut scene, mut camera) = (scene.clone(), camera.clone());
     scene.positions.iter_mut().for_each(|p| *p *= scale);
@@ -15,7 +15,9 @@ fn scaled(scene: &Scene, camera: &Camera, scale: f32) -> (Scene, Camera) {
             *intensity *= scale * scale;
         }
     }
-    camera.camera_to_world.w_axis *= dvec3(1.0, 1.0, 1.0).extend(1.0 / f64::from(scale)) * f64::from(scale);
+    for camera in scene.cameras.iter_mut().chain([&mut camera]) {
+        camera.camera_to_world.w_axis *= DVec3::splat(f64::from(scale)).extend(1.0);
+    }
     (scene, camera)
 }
 

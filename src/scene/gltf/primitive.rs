@@ -63,7 +63,7 @@ pub fn read(
     }
     let used = compact(&mut triangles, positions.count);
     let material = primitive.material.and_then(|m| document.materials.get(m.value()));
-    let [first, second] = material.map_or([0, 1], |material| materials::coordinate_sets(material));
+    let [first, second] = material.map_or([0, 1], materials::coordinate_sets);
     let set = |n: u32| source.stream(&Semantic::TexCoords(n), 2..=2, &format!("TEXCOORD_{n}"), &used, positions.count);
     let uvs = [set(first)?, set(second)?];
     Ok(Some(Primitive {
