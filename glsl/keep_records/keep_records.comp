@@ -27,7 +27,6 @@ layout(push_constant) uniform Push {
 } push;
 
 const uint PAYLOAD_VALUES = 7;  // vec4s of a payload
-const uint MOST = 2;            // columns of an invocation: at most 32 are kept of each of four sides
 shared float largest_of[THREADS];
 
 // 1/(forward distance) of what a side face sees at the texel.
@@ -46,24 +45,19 @@ float horizon_at(uint record, uint column, uint row) {
 }
 
 float keep_horizon(uint from, uint to) {
-    vec4 seen[MOST];
-    float largest = 0.0;
+    float seen[HORIZON_ROWS], largest = 0.0;
     uint me = gl_LocalInvocationID.x, columns = 4 * COLUMNS;
-    for (uint i = 0; i < MOST; ++i) {
-        uint column = me + THREADS * i;
-        seen[i] = vec4(0.0);
-        if (column >= columns) continue;
-        for (uint row = 0; row < HORIZON_ROWS; ++row) seen[i][row] = horizon_at(from, column, row);
-        largest = max(largest, max(max(seen[i].x, seen[i].y), max(seen[i].z, seen[i].w)));
+    for (uint row = 0; row < HORIZON_ROWS; ++row) {
+        seen[row] = me < columns ? horizon_at(from, me, row) : 0.0;
+        largest = max(largest, seen[row]);
     }
     largest_of[me] = largest;
     barrier();
     for (uint i = 0; i < THREADS; ++i) largest = max(largest, largest_of[i]);
-    for (uint i = 0; i < MOST; ++i) {
-        uint column = me + THREADS * i, bytes = 0;
-        if (column >= columns) continue;
-        for (uint row = 0; row < HORIZON_ROWS; ++row) bytes |= horizon_byte(seen[i][row], largest) << (8 * row);
-        horizons[columns * to + column] = bytes;
+    for (uint word = 0; word < HORIZON_WORDS && me < columns; ++word) {
+        uint bytes = 0;
+        for (uint i = 0; i < 4; ++i) bytes |= horizon_byte(seen[4 * word + i], largest) << (8 * i);
+        horizons[HORIZON_WORDS * (columns * to + me) + word] = bytes;
     }
     return largest;
 }

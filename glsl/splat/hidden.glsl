@@ -19,14 +19,14 @@ bool hidden(uint number, Kept record, vec3 offset) {
     // Before a face's first centre and past its last the line goes on.
     uint column = uint(clamp(int(floor(x)), 0, int(COLUMNS) - 2)), at = 4 * COLUMNS * number + COLUMNS * (view - 1) + column;
     x -= float(column);
-    uvec2 bytes = uvec2(horizons[at], horizons[at + 1]);
     // The further of two rows: on a concave surface the lower one sees the surface before the point. What lies below the lowest
     // row is taken for seen along it.
     uint row = 0;
     while (row < HORIZON_ROWS - 1 && slope >= slope_of(row)) ++row;
     float nearest = LARGEST_INVERSE;
     for (uint k = slope >= slope_of(0) ? row - 1 : row; k <= row; ++k) {
-        uvec2 here = bytes >> (8 * k) & 255u;
+        uint word = HORIZON_WORDS * at + k / 4;
+        uvec2 here = uvec2(horizons[word], horizons[word + HORIZON_WORDS]) >> (8 * (k % 4)) & 255u;
         float largest = record.geometric.w;
         nearest = min(nearest, mix(horizon_value(here.x, largest), horizon_value(here.y, largest), x));
     }

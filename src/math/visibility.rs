@@ -6,14 +6,14 @@ use glam::{DVec2, DVec3};
 /// Share of the distance by which something must stand nearer than the point.
 pub const TOLERANCE: f64 = 0.1;
 /// Rows of a side face that are kept.
-const ROWS: usize = 4;
+const ROWS: usize = 8;
 /// Range of the values that a horizon tells apart.
 const OCTAVES: f64 = 16.0;
 /// Columns of a side face that are kept, at most.
-const MOST_COLUMNS: u32 = 32;
+const MOST_COLUMNS: u32 = 16;
 
 /// What a record keeps of the distances that its hemicube of `size` texels a side saw: of each column of the side faces
-/// 1/(forward distance) in four rows, a byte each.
+/// 1/(forward distance) in eight rows, a byte each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Horizon {
     size: u32,
@@ -26,7 +26,8 @@ pub struct Horizon {
 
 /// Row of a side face, counted upwards from the lowest one, that is kept as the `kept`-th.
 fn row(kept: usize, size: u32) -> u32 {
-    [0, (size / 32).max(1), (size / 8).max(2), size / 2 - 1][kept]
+    const OF_32: [u32; ROWS] = [0, 1, 2, 3, 5, 8, 11, 15];
+    (OF_32[kept] * size / 32).max(kept as u32).min(size / 2 - 1)
 }
 
 impl Horizon {
@@ -47,7 +48,7 @@ impl Horizon {
             if share == 0.0 { low } else { low * (1.0 - share) + inverse_forward(side, x as u32 + 1, y) * share }
         };
         let values: Vec<[f64; ROWS]> =
-            (0..4 * columns).map(|column| [0, 1, 2, 3].map(|kept| value(column, kept))).collect();
+            (0..4 * columns).map(|column| std::array::from_fn(|kept| value(column, kept))).collect();
         let largest = values.iter().flatten().fold(0.0, |a: f64, b| a.max(*b));
         let byte = |v: f64| if v > 0.0 { (255.0 + (v / largest).log2() * 255.0 / OCTAVES).ceil() as u8 } else { 0 };
         Self { size, columns, largest, bytes: values.iter().map(|column| column.map(byte)).collect() }

@@ -8,7 +8,9 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 /// Columns of a side face that a horizon keeps, at most.
-const MOST_COLUMNS: u32 = 32;
+const MOST_COLUMNS: u32 = 16;
+/// Rows of each column.
+const ROWS: u64 = 8;
 
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -33,7 +35,7 @@ impl Horizon {
 
     /// Bytes of a record.
     pub fn bytes(self) -> u64 {
-        u64::from(4 * self.columns()) * 4
+        u64::from(4 * self.columns()) * ROWS
     }
 
     /// The constants of shaders that have it: texels a side, columns; 0 texels where there is none.
