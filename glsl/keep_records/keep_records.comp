@@ -5,7 +5,7 @@
 #include "shared/types.glsl"
 #include "inc/oct.glsl"
 #include "inc/horizon.glsl"
-const uint THREADS = 64;
+const uint THREADS = 128;  // at least a column each: at most 32 are kept of each of four sides
 layout(local_size_x = THREADS) in;
 layout(constant_id = 0) const uint PAYLOADS = 1;  // of a record
 layout(constant_id = 1) const uint SIZE = 0;      // texels a side of the hemicubes; 0: no horizon is kept

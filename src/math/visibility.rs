@@ -10,7 +10,7 @@ const ROWS: usize = 8;
 /// Range of the values that a horizon tells apart.
 const OCTAVES: f64 = 16.0;
 /// Columns of a side face that are kept, at most.
-const MOST_COLUMNS: u32 = 16;
+const MOST_COLUMNS: u32 = 32;
 
 /// What a record keeps of the distances that its hemicube of `size` texels a side saw: of each column of the side faces
 /// 1/(forward distance) in eight rows, a byte each.

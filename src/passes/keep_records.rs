@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use std::sync::Arc;
 
 /// Columns of a side face that a horizon keeps, at most.
-const MOST_COLUMNS: u32 = 16;
+const MOST_COLUMNS: u32 = 32;
 /// Rows of each column.
 const ROWS: u64 = 8;
 
