@@ -12,7 +12,7 @@ use crate::vk::{Buffer, Commands, Device, Memory, Result};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Records of a piece: at most 23 MB with all that they keep: 16 384 × (64 + 2 × 112 + 1024) bytes.
+/// Records of a piece: at most 22 MB with all that they keep: 16 384 × (64 + 2 × 112 + 1024) bytes.
 const PIECE: u32 = 1 << 14;
 
 /// What is kept of every record.

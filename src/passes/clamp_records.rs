@@ -77,7 +77,7 @@ impl ClampRecords {
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let code = spirv!("clamp_records", "clamp_records.comp");
         let constants = Specialisation(vec![u32::from(clamped)]);
-        let pipeline = ComputePipeline::new("clamp_records", &pipeline_layout, code, &constants)?;
+        let pipeline = ComputePipeline::new("clamp_records", &pipeline_layout, code, constants)?;
         Ok(Self { pipeline, layout, reach, clamped })
     }
 

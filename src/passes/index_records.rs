@@ -65,7 +65,7 @@ impl IndexRecords {
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let phase = |phase| {
             let code = spirv!("index_records", "index_records.comp");
-            ComputePipeline::new("index_records", &pipeline_layout, code, &Specialisation(vec![phase]))
+            ComputePipeline::new("index_records", &pipeline_layout, code, Specialisation(vec![phase]))
         };
         Ok(Self { phases: [phase(0)?, phase(1)?, phase(2)?, phase(3)?, phase(4)?], layout })
     }

@@ -104,7 +104,7 @@ impl KeepRecords {
         let [size, columns] = Horizon::constants(horizon);
         let constants = Specialisation(vec![payloads, size, columns, batch.stride]);
         let code = spirv!("keep_records", "keep_records.comp");
-        let pipeline = ComputePipeline::new("keep_records", &pipeline_layout, code, &constants)?;
+        let pipeline = ComputePipeline::new("keep_records", &pipeline_layout, code, constants)?;
         Ok(Self { pipeline, layout })
     }
 
