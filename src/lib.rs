@@ -28,6 +28,7 @@
 //! | [`methods`] | techniques: passes composed | `passes` |
 //! | [`renderer`] | the plan, a scene that stays on the device, views of it | `methods` |
 //! | [`report`] | profile, statistics, trace, progress | `image` |
+//! | [`guide`] | how a frame is computed, limits, measurements with their commands | nothing |
 //!
 //! # Use
 //!
@@ -56,6 +57,7 @@
 // What a library prints may go unread: what it has to say it returns.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod guide;
 pub mod image;
 pub mod math;
 pub mod methods;
