@@ -1,10 +1,6 @@
 //! Records that outlive a view.
 
-#![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
-
-mod common;
-
-use common::{gpu, scene_folder, small};
+use crate::common::{gpu, scene_folder, small};
 use glam::dvec3;
 use hemicube::image::exr;
 use hemicube::image::metrics::{mask, measure};
