@@ -2,6 +2,7 @@
 
 use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
+use crate::passes::clamp_records::Footprint;
 use crate::passes::place_records::Placement;
 use crate::passes::splat::View as SplatView;
 use crate::scene::{Camera, Lens, Scene};
@@ -69,8 +70,6 @@ impl View {
         let footprint = 2.0 / (self.scale.y.abs() * self.size[1] as f32);
         let forward = Vec3::from_slice(&self.axis[..3]);
         let placement = Placement {
-            eye: if self.perspective { self.eye.to_array() } else { [0.0; 4] },
-            forward: forward.extend(footprint).to_array(),
             first: 0,
             count: 0,
             width: self.size[0],
@@ -86,7 +85,11 @@ impl View {
             accuracy: settings.accuracy,
             normal_limit: settings.normal_limit,
         };
-        Viewpoint { placement, view }
+        let footprint = Footprint {
+            eye: if self.perspective { self.eye.to_array() } else { [0.0; 4] },
+            forward: forward.extend(footprint).to_array(),
+        };
+        Viewpoint { placement, view, footprint }
     }
 }
 
