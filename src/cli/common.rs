@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use glam::Vec3;
 use hemicube::scene::{self, Background, Camera, Options, Pose, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::path::PathBuf;
@@ -30,6 +31,9 @@ pub struct SceneArgs {
     /// Factor of the background's radiance
     #[arg(long, value_name = "S", default_value_t = 1.0, hide_default_value = true, help_heading = "Scene")]
     pub background_strength: f32,
+    /// Light a scene that has no light by a uniform white sky of radiance 1; other scenes stay as they are
+    #[arg(long, conflicts_with = "background", help_heading = "Scene")]
+    pub default_light: bool,
     /// Camera by name or index; default: the file's first, or one that frames the scene
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Scene")]
     pub camera: Option<String>,
@@ -47,6 +51,15 @@ fn moment(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(seconds) if seconds.abs() <= 1e6 => Ok(seconds),
         Ok(_) => Err("a moment of an animation lies within -1e6 to 1e6 seconds".into()),
+        Err(_) => Err("not a number of seconds".into()),
+    }
+}
+
+/// How long to work, in seconds: a billion are 32 years, and a [`std::time::Duration`] holds them.
+pub fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
+        Ok(_) => Err("must be above 0, at most 1e9 seconds".into()),
         Err(_) => Err("not a number of seconds".into()),
     }
 }
@@ -70,6 +83,14 @@ impl SceneArgs {
             let valid = strength.is_finite() && strength >= 0.0;
             anyhow::ensure!(valid, "--background-strength {strength} is negative or not finite");
             scene.background = Background::parse_noting(background, &mut scene.notes)?.adjusted(degrees, strength);
+        }
+        if self.default_light {
+            if scene.is_dark() {
+                scene.background = Background::Constant(Vec3::ONE);
+                scene.notes.push("the file has no light: lit by a white sky (--default-light)".into());
+            } else {
+                scene.notes.push("--default-light does nothing: the scene has light".into());
+            }
         }
         Ok(scene)
     }
@@ -122,7 +143,7 @@ pub struct TalkArgs {
     /// Say nothing but errors
     #[arg(short, long, help_heading = "Messages", conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Say more: what is left out and why, notes on the scene
+    /// Say more: the plan, what is left out of it and why, all notes on the scene
     #[arg(short, long, help_heading = "Messages")]
     pub verbose: bool,
 }

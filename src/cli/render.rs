@@ -4,13 +4,15 @@ mod args;
 mod choices;
 mod report;
 mod settings;
+mod without_effect;
 
 pub use args::RenderArgs;
 
 use super::common::{TalkArgs, check_output};
+use super::say::remark;
 use anyhow::{Result, bail};
-use hemicube::image::tone::Look;
-use hemicube::image::{exr, png};
+use hemicube::image::tone::{Exposure, Look, auto_stops};
+use hemicube::image::{Picture, exr, png};
 use hemicube::renderer::{Rendered, Renderer, Settings};
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
@@ -34,23 +36,75 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let loaded = started.elapsed();
     let device = args.device.open()?;
     settings.check(&device)?;
-    let mut report = Report::new(args.talk, started, &device);
+    let mut report = Report::new(args, started, &device);
     report.stage("load scene", loaded);
     report.stage("open device", started.elapsed() - loaded);
     report.scene(&scene, note.as_deref(), &settings);
+    if !args.talk.quiet {
+        warn(args, picture_kind, &scene);
+    }
     let rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
     report.check(&rendered);
     let writing = Instant::now();
-    match picture_kind {
-        Kind::Exr => exr::write(&args.output, &rendered.picture, &[])?,
-        Kind::Png => png::write(&args.output, &rendered.picture, "", Look { tone: args.tone, stops: args.exposure })?,
-    }
+    let made_with = report.made_with(args, &scene, &camera, &settings);
+    write(args, picture_kind, &rendered.picture, &made_with, &camera)?;
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
         report.measure()?;
     }
-    report.finish(&scene, &rendered, &args.output, args.stats.as_deref(), args.trace.as_deref())?;
+    report.finish(args, &scene, &rendered, &made_with)?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Warns of a scene without light, and of flags that do nothing for this kind of picture.
+fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
+    if scene.is_dark() {
+        remark!(
+            "warning: the scene has no light, so the picture is black: --default-light adds a soft sky, --background R,G,B \
+             a sky of your choice; in Blender's glTF export, tick Punctual Lights"
+        );
+    }
+    args.without_effect(kind).iter().for_each(|note| remark!("note: {note}"));
+}
+
+fn write(
+    args: &RenderArgs,
+    kind: Kind,
+    picture: &Picture,
+    made_with: &[(&str, String)],
+    camera: &Camera,
+) -> Result<()> {
+    let look = || {
+        let stops = stops(args.exposure.unwrap_or_default(), picture, args.talk.quiet);
+        Look { tone: args.tone.unwrap_or_default(), stops }
+    };
+    match kind {
+        Kind::Exr => exr::write_seen(&args.output, picture, made_with, Some(world_to_camera(camera)))?,
+        Kind::Hdr => png::write_hdr(&args.output, picture, "")?,
+        Kind::Png => png::write(&args.output, picture, "", look())?,
+        Kind::Jpeg => png::write_jpeg(&args.output, picture, "", look())?,
+    }
+    Ok(())
+}
+
+/// OpenEXR's `worldToCamera`: row vectors, y up, z in the direction of sight.
+fn world_to_camera(camera: &Camera) -> [f32; 16] {
+    let forward = glam::DMat4::from_scale(glam::DVec3::new(1.0, 1.0, -1.0));
+    (forward * camera.camera_to_world.inverse()).as_mat4().to_cols_array()
+}
+
+/// The exposure in stops; one found from the picture is printed.
+fn stops(exposure: Exposure, picture: &Picture, quiet: bool) -> f32 {
+    match exposure {
+        Exposure::Stops(stops) => stops,
+        Exposure::Auto => {
+            let stops = picture.rgb("").map_or(0.0, auto_stops);
+            if !quiet {
+                remark!("exposure {stops:+.1} stops (--exposure STOPS sets it)");
+            }
+            stops
+        }
+    }
 }
 
 fn run_with_progress(
@@ -81,17 +135,28 @@ fn run_with_progress(
 enum Kind {
     /// Linear floats, with layers.
     Exr,
+    /// Linear values of a common exponent, the colour alone.
+    Hdr,
     /// Tone-mapped.
     Png,
+    /// Tone-mapped, with losses.
+    Jpeg,
 }
 
 impl Kind {
+    /// Whether it holds radiance, not what a screen shows.
+    fn is_linear(self) -> bool {
+        matches!(self, Self::Exr | Self::Hdr)
+    }
+
     /// By the name's extension.
     fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("exr") => Ok(Self::Exr),
+            Some("hdr") => Ok(Self::Hdr),
             Some("png") => Ok(Self::Png),
-            _ => bail!("cannot tell the format of {}: name it .exr or .png", path.display()),
+            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            _ => bail!("cannot tell the format of {}: name it .exr, .hdr, .png or .jpg", path.display()),
         }
     }
 }

@@ -131,7 +131,7 @@ impl<'a> Probes<'a> {
             in_compute.then_some(Detail::Exact),
         )?;
         let has_sky = !scene.background.is_black();
-        let sky = has_sky.then(|| Sky::new(device, &scene.background, false)).transpose()?;
+        let sky = has_sky.then(|| Sky::new(device, &scene.background, size, false)).transpose()?;
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };
         light_surfaces(device, recorder, &ground, &settings.lights, has_sky)?;
 
@@ -150,13 +150,7 @@ impl<'a> Probes<'a> {
         let records = buffer(size_of::<Record>(), Memory::Device)?;
         let payloads = buffer(payload_bytes, Memory::Device)?;
         let results = [buffer(size_of::<Record>(), Memory::Readback)?, buffer(payload_bytes, Memory::Readback)?];
-        // Zones are not used: with a lower limit next to nothing and none above, gradients come out as they are.
-        let limits = Limits {
-            accuracy: 1.0,
-            min_radius: f32::MIN_POSITIVE,
-            max_radius: f32::MAX,
-            scene_radius: geometry.radius,
-        };
+        let limits = Limits { scene_radius: geometry.radius };
         let both = (&records, &payloads);
         let quantities = (settings.gradients, Radius::Harmonic);
         let integrate = Integrate::new(

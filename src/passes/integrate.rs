@@ -26,17 +26,11 @@ struct Push {
     limits: Limits,
 }
 
-/// How far records reach.
+/// How far records are good for. Views limit that by their pixels when they use them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Limits {
-    /// Ward's a.
-    pub accuracy: f32,
-    /// Smallest radius of a zone of influence, in pixels.
-    pub min_radius: f32,
-    /// Largest, in pixels.
-    pub max_radius: f32,
-    /// Mean distance of a record that sees nothing.
+    /// R of a record that sees nothing.
     pub scene_radius: f32,
 }
 
@@ -222,13 +216,12 @@ pub(super) fn scene_bindings<'a>(
     sky: Option<&'a Buffer>,
 ) -> Vec<Binding<'a>> {
     let (positions, indices) = (&geometry.positions, &geometry.indices);
-    let identity = capture.identity.as_ref().expect("captures for integration keep identities");
     vec![
         Binding::Storage(positions),
         Binding::Storage(indices),
         Binding::Storage(&geometry.first_cell),
         Binding::Storage(&geometry.cell_radiance),
-        Binding::Texels(identity),
+        Binding::Texels(&capture.identity),
         Binding::Storage(sky.unwrap_or(positions)),
         Binding::Storage(neighbours.unwrap_or(positions)),
     ]

@@ -12,6 +12,7 @@ mod camera;
 mod cornell;
 pub mod emission;
 mod error;
+mod fingerprint;
 mod gltf;
 pub mod load;
 pub mod opacity;
@@ -81,6 +82,15 @@ impl Scene {
     pub fn triangles_of(&self, part: &Part) -> &[[u32; 3]] {
         let Range { start, end } = part.triangles();
         &self.triangles[start as usize..end as usize]
+    }
+
+    /// Whether the scene has no light: no lamp, no emissive surface, no background.
+    pub fn is_dark(&self) -> bool {
+        let lit = |light: &Light| match light {
+            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => *intensity != Vec3::ZERO,
+            Light::Directional { irradiance, .. } => *irradiance != Vec3::ZERO,
+        };
+        !self.lights.iter().any(lit) && !self.parts.iter().any(|part| self.emits(part)) && self.background.is_black()
     }
 
     /// Whether the part's surface shines.
@@ -238,6 +248,8 @@ pub enum Lens {
     },
     /// Half height of the view in scene units; the half width follows from the image's shape.
     Orthographic {
+        /// Width over height that the file asks for, if it does: the default image shape.
+        aspect: Option<f64>,
         /// Half height.
         ymag: f64,
     },

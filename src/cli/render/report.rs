@@ -1,5 +1,7 @@
-//! What a render says: the plan before it runs, the table after, and the files of `--stats` and `--trace`.
+//! What a render says: messages on the standard error output, the table of results on the standard output, and the files of
+//! `--stats` and `--trace`.
 
+use super::args::RenderArgs;
 use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
@@ -10,16 +12,19 @@ use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
 use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
 use hemicube::report::trace::Trace;
-use hemicube::scene::Scene;
+use hemicube::scene::{Camera, Scene};
 use hemicube::vk::{Device, Span};
 use serde_json::json;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+
+/// Notes on the file that are shown without `-v`.
+const NOTES: usize = 6;
 
 /// Gathers what a run has to say.
 pub struct Report {
     talk: TalkArgs,
+    validates: bool,
     started: Instant,
     device: Arc<Device>,
     stages: Vec<(String, f64)>,
@@ -28,8 +33,15 @@ pub struct Report {
 
 impl Report {
     /// A run that began at `started`.
-    pub fn new(talk: TalkArgs, started: Instant, device: &Arc<Device>) -> Self {
-        Self { talk, started, device: device.clone(), stages: Vec::new(), rates: None }
+    pub fn new(args: &RenderArgs, started: Instant, device: &Arc<Device>) -> Self {
+        Self {
+            talk: args.talk,
+            validates: args.device.validate,
+            started,
+            device: device.clone(),
+            stages: Vec::new(),
+            rates: None,
+        }
     }
 
     /// Notes a stage of the CPU.
@@ -37,36 +49,68 @@ impl Report {
         self.stages.push((name.into(), length.as_secs_f64() * 1e3));
     }
 
-    /// Says what is rendered, on what, and what is left out.
+    /// Says what is rendered and on what, with the notes on the file.
     pub fn scene(&self, scene: &Scene, note: Option<&str>, settings: &Settings) {
         if self.talk.quiet {
             return;
         }
-        say!("device: {} ({})", self.device.physical.name, self.device.physical.driver.trim());
-        say!(
-            "scene: {}, {} triangles, {} × {} pixels",
-            scene.name,
-            scene.triangles.len(),
-            settings.width,
-            settings.height
-        );
-        note.into_iter().for_each(|note| say!("note: {note}"));
+        let Settings { width, height, .. } = settings;
+        remark!("{}: {} triangles, {width} × {height} pixels, {}", scene.name, scene.triangles.len(), self.name());
+        note.into_iter().for_each(|note| remark!("note: {note}"));
+        let shown = if self.talk.verbose { scene.notes.len() } else { scene.notes.len().min(NOTES) };
+        scene.notes[..shown].iter().for_each(|note| remark!("note: {note}"));
+        if shown < scene.notes.len() {
+            remark!("note: {} more notes on the file; -v shows them", scene.notes.len() - shown);
+        }
         if self.talk.verbose {
-            say!("note: {}", self.device.pipeline_cache_note());
-            scene.notes.iter().for_each(|note| say!("note: {note}"));
-        } else if !scene.notes.is_empty() {
-            say!("note: {} remarks on the file; -v shows them", scene.notes.len());
+            remark!("note: {}", self.device.pipeline_cache_note());
         }
     }
 
-    /// Says what runs, and what does not and why.
+    /// What the picture was made with, for the file that holds it. Nothing in it depends on when, or by what name it is written.
+    pub fn made_with(
+        &self,
+        args: &RenderArgs,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Vec<(&'static str, String)> {
+        let cache = &settings.cache;
+        let asked = args.scene.camera.as_deref().unwrap_or("default");
+        vec![
+            ("scene", scene.name.clone()),
+            ("scene hash", format!("{:016x}", scene.fingerprint())),
+            ("triangles", scene.triangles.len().to_string()),
+            ("camera", if camera.name.is_empty() { asked.to_owned() } else { camera.name.clone() }),
+            ("lens", format!("{:?}", camera.lens)),
+            ("size", format!("{}x{}", settings.width, settings.height)),
+            ("device", self.device.physical.name.clone()),
+            ("bounces", settings.bounces.to_string()),
+            ("seed", cache.seed.to_string()),
+            ("cache", format!("{cache:?}")),
+            ("lights", format!("{:?}", settings.lights)),
+            ("background", args.scene.background.clone().unwrap_or_else(|| "of the scene".into())),
+        ]
+    }
+
+    /// With `-v`, says what runs, and what does not and why.
     pub fn plan(&self, plan: &Plan) {
-        if self.talk.quiet {
+        if !self.talk.verbose {
             return;
         }
-        say!("plan: {}", plan.run().join(", "));
+        remark!("plan: {}", plan.run().join(", "));
         for left in plan.left_out() {
-            say!("left out: {} ({})", left.pass, left.why);
+            remark!("left out: {} ({})", left.pass, left.why);
+        }
+    }
+
+    /// The device, with its driver under `-v`.
+    fn name(&self) -> String {
+        let physical = &self.device.physical;
+        if self.talk.verbose {
+            format!("{} ({})", physical.name, physical.driver.trim())
+        } else {
+            physical.name.clone()
         }
     }
 
@@ -96,18 +140,23 @@ impl Report {
     /// Prints the table and writes the files.
     pub fn finish(
         &self,
+        args: &RenderArgs,
         scene: &Scene,
         rendered: &Rendered,
-        output: &Path,
-        stats: Option<&Path>,
-        trace: Option<&Path>,
+        made_with: &[(&'static str, String)],
     ) -> Result<()> {
         let profile = self.profile(rendered);
         let messages = self.device.instance.validation_messages();
-        if let Some(path) = stats {
-            self.stats(scene, rendered, &profile, messages).write(path)?;
+        if let Some(path) = &args.stats {
+            let mut stats = self.stats(scene, rendered, &profile, messages);
+            let command: Vec<_> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+            stats.extra.insert("command".into(), json!(command));
+            let made_with: serde_json::Map<_, _> =
+                made_with.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+            stats.extra.insert("made_with".into(), made_with.into());
+            stats.write(path)?;
         }
-        if let Some(path) = trace {
+        if let Some(path) = &args.trace {
             self.trace(rendered).write(path)?;
         }
         if !self.talk.quiet {
@@ -117,7 +166,7 @@ impl Report {
                 rendered.cache.records,
                 rendered.cache.rounds,
                 rendered.memory.peak >> 20,
-                output.display()
+                args.output.display()
             );
             if let Some(bounced) = &rendered.bounced {
                 say!("{}", in_words(bounced));
@@ -131,7 +180,7 @@ impl Report {
                     work.triangle_views / rendered.cache.records.max(1)
                 );
             }
-            if messages > 0 {
+            if self.validates {
                 say!("{messages} validation messages");
             }
         }

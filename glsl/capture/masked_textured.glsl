@@ -1,0 +1,3 @@
+#define TEXTURED
+#define FRAME_SET 2
+#include "capture/masked_vert.glsl"
