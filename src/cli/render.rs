@@ -1,8 +1,10 @@
-//! `hemicube render`: one image with indirect light.
+//! `hemicube render`: an image with indirect light, or a sequence of them.
 
 mod args;
 mod choices;
+mod path;
 mod report;
+mod sequence;
 mod settings;
 mod without_effect;
 
@@ -30,6 +32,9 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     for path in [Some(&args.output), args.stats.as_ref(), args.trace.as_ref()].into_iter().flatten() {
         check_output(path)?;
     }
+    if let Some(path) = path::CameraPath::new(&args.path, &args.scene)? {
+        return sequence::run(args, path, picture_kind, started);
+    }
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, picture_kind);
@@ -46,13 +51,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
     report.check(&rendered);
     let writing = Instant::now();
-    match picture_kind {
-        Kind::Exr => exr::write(&args.output, &rendered.picture, &[])?,
-        Kind::Png => {
-            let stops = stops(args.exposure.unwrap_or_default(), &rendered.picture, args.talk.quiet);
-            png::write(&args.output, &rendered.picture, "", Look { tone: args.tone.unwrap_or_default(), stops })?;
-        }
-    }
+    write(args, (picture_kind, args.exposure.unwrap_or_default()), &rendered.picture, &args.output)?;
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
         report.measure()?;
@@ -70,6 +69,19 @@ fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
         );
     }
     args.without_effect(kind).iter().for_each(|note| remark!("note: {note}"));
+}
+
+/// Writes a picture; the exposure that it was given.
+fn write(args: &RenderArgs, (kind, exposure): (Kind, Exposure), picture: &Picture, output: &Path) -> Result<Exposure> {
+    match kind {
+        Kind::Exr => exr::write(output, picture, &[])?,
+        Kind::Png => {
+            let stops = stops(exposure, picture, args.talk.quiet);
+            png::write(output, picture, "", Look { tone: args.tone.unwrap_or_default(), stops })?;
+            return Ok(Exposure::Stops(stops));
+        }
+    }
+    Ok(exposure)
 }
 
 /// The exposure in stops; one found from the picture is printed.
@@ -94,19 +106,32 @@ fn run_with_progress(
     report: &Report,
     talk: TalkArgs,
 ) -> Result<Rendered> {
-    let progress = Progress::new(talk.quiet);
-    let mut stage: Option<(&'static str, Stage)> = None;
-    let mut hear = |name, done, all| {
-        if stage.as_ref().is_none_or(|(current, _)| *current != name) {
-            stage = Some((name, progress.stage(name, all)));
-        }
-        if let Some((_, stage)) = &stage {
-            stage.advance(u64::saturating_sub(done, stage.done()));
-        }
-    };
+    let mut listener = Listener::new(talk);
+    let mut hear = |name, done, all| listener.hear(name, done, all);
     let mut renderer = Renderer::open(device, scene, settings, &mut hear)?;
     report.plan(renderer.plan());
     Ok(renderer.render(camera, &settings.view(), &mut hear)?)
+}
+
+/// Shows the progress of the renderer's stages.
+struct Listener {
+    progress: Progress,
+    stage: Option<(&'static str, Stage)>,
+}
+
+impl Listener {
+    fn new(talk: TalkArgs) -> Self {
+        Self { progress: Progress::new(talk.quiet), stage: None }
+    }
+
+    fn hear(&mut self, name: &'static str, done: u64, all: u64) {
+        if self.stage.as_ref().is_none_or(|(current, _)| *current != name) {
+            self.stage = Some((name, self.progress.stage(name, all)));
+        }
+        if let Some((_, stage)) = &self.stage {
+            stage.advance(done.saturating_sub(stage.done()));
+        }
+    }
 }
 
 /// Kind of the output file.

@@ -1,6 +1,7 @@
 //! The flags of `hemicube render`.
 
 use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use super::path::PathArgs;
 use crate::cli::choices::{CaptureArg, GradientsArg, WeightArg};
 use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
 use clap::Args;
@@ -22,6 +23,8 @@ pub struct RenderArgs {
     /// Image to write: .exr (linear floats, with layers) or .png (tone-mapped)
     #[arg(short, long, value_name = "OUT.exr|OUT.png")]
     pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) path: PathArgs,
     #[command(flatten)]
     pub(super) image: ImageArgs,
     /// Layers of the EXR besides R,G,B: direct, indirect, irradiance, irradiance_direct, albedo, emission, N, P, Z,

@@ -7,6 +7,7 @@ mod pictures;
 mod probe;
 mod refusals;
 mod reports;
+mod sequences;
 mod unread;
 
 use crate::common::gltf::{document, glb, triangle};
