@@ -101,7 +101,12 @@ impl Report {
 
     /// Takes over the renderer's stages.
     pub fn rendered(&mut self, rendered: &Rendered, writing: Duration) {
-        self.stages.extend(rendered.stages.iter().map(|(name, span)| (name.clone(), span.end_ms - span.begin_ms)));
+        for (name, span) in &rendered.stages {
+            match self.stages.iter_mut().find(|(known, _)| known == name) {
+                Some((_, all_ms)) => *all_ms += length(span),
+                None => self.stages.push((name.clone(), length(span))),
+            }
+        }
         self.stage("write image", writing);
     }
 

@@ -98,7 +98,6 @@ impl Sequence<'_> {
         let mut rendered =
             renderer.render(camera, &self.settings.view(), &mut |name, done, all| listener.hear(name, done, all))?;
         self.report.check(&rendered);
-        // A warning is of the whole run.
         let writing = Instant::now();
         let output = file_of(&self.args.output, frame);
         self.exposure = write(self.args, (self.kind, self.exposure), &rendered.picture, &output)?;
