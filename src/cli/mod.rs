@@ -5,6 +5,7 @@
 mod choices;
 mod common;
 mod compare;
+mod completions;
 mod convergence;
 mod export;
 mod info;
@@ -29,6 +30,7 @@ pub struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
+    Completions(completions::CompletionsArgs),
     Convergence(Box<convergence::ConvergenceArgs>),
     Export(export::ExportArgs),
     Info(info::InfoArgs),
@@ -36,13 +38,17 @@ enum Command {
     Reference(Box<reference::ReferenceArgs>),
 }
 
-/// The arguments of this run; wrong ones end it with exit code 2.
-pub fn parse() -> Cli {
+/// The program's commands and flags.
+fn command() -> clap::Command {
     // There `--time` is how long to work.
     let reference =
         |command: clap::Command| command.mut_arg("scene_time", |a| a.long("scene-time").alias(None::<&str>));
-    let matches = Cli::command().mut_subcommand("reference", reference).get_matches();
-    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    Cli::command().mut_subcommand("reference", reference)
+}
+
+/// The arguments of this run; wrong ones end it with exit code 2.
+pub fn parse() -> Cli {
+    Cli::from_arg_matches(&command().get_matches()).unwrap_or_else(|error| error.exit())
 }
 
 /// Runs the chosen subcommand.
@@ -50,6 +56,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
     let code = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Completions(args) => completions::run(&args, &mut command()),
         Command::Convergence(args) => convergence::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),

@@ -51,12 +51,14 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
     report.check(&rendered);
     let writing = Instant::now();
-    write(args, (picture_kind, args.exposure.unwrap_or_default()), &rendered.picture, &args.output)?;
+    let made_with = report.made_with(args, &scene, &camera, &settings);
+    let file = Destination { path: &args.output, made_with: &made_with, camera: &camera };
+    write(args, (picture_kind, args.exposure.unwrap_or_default()), &rendered.picture, &file)?;
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
         report.measure()?;
     }
-    report.finish(&scene, &rendered, &args.output, args.stats.as_deref(), args.trace.as_deref())?;
+    report.finish(args, &scene, &rendered, &made_with)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -71,17 +73,38 @@ fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
     args.without_effect(kind).iter().for_each(|note| remark!("note: {note}"));
 }
 
+/// A file that a picture is written to, and what it says of itself.
+struct Destination<'a> {
+    path: &'a Path,
+    made_with: &'a [(&'static str, String)],
+    camera: &'a Camera,
+}
+
 /// Writes a picture; the exposure that it was given.
-fn write(args: &RenderArgs, (kind, exposure): (Kind, Exposure), picture: &Picture, output: &Path) -> Result<Exposure> {
+fn write(
+    args: &RenderArgs,
+    (kind, mut exposure): (Kind, Exposure),
+    picture: &Picture,
+    to: &Destination<'_>,
+) -> Result<Exposure> {
+    let mut look = || {
+        let stops = stops(exposure, picture, args.talk.quiet);
+        exposure = Exposure::Stops(stops);
+        Look { tone: args.tone.unwrap_or_default(), stops }
+    };
     match kind {
-        Kind::Exr => exr::write(output, picture, &[])?,
-        Kind::Png => {
-            let stops = stops(exposure, picture, args.talk.quiet);
-            png::write(output, picture, "", Look { tone: args.tone.unwrap_or_default(), stops })?;
-            return Ok(Exposure::Stops(stops));
-        }
+        Kind::Exr => exr::write_seen(to.path, picture, to.made_with, Some(world_to_camera(to.camera)))?,
+        Kind::Hdr => png::write_hdr(to.path, picture, "")?,
+        Kind::Png => png::write(to.path, picture, "", look())?,
+        Kind::Jpeg => png::write_jpeg(to.path, picture, "", look())?,
     }
     Ok(exposure)
+}
+
+/// OpenEXR's `worldToCamera`: row vectors, y up, z in the direction of sight.
+fn world_to_camera(camera: &Camera) -> [f32; 16] {
+    let forward = glam::DMat4::from_scale(glam::DVec3::new(1.0, 1.0, -1.0));
+    (forward * camera.camera_to_world.inverse()).as_mat4().to_cols_array()
 }
 
 /// The exposure in stops; one found from the picture is printed.
@@ -139,17 +162,28 @@ impl Listener {
 enum Kind {
     /// Linear floats, with layers.
     Exr,
+    /// Linear values of a common exponent, the colour alone.
+    Hdr,
     /// Tone-mapped.
     Png,
+    /// Tone-mapped, with losses.
+    Jpeg,
 }
 
 impl Kind {
+    /// Whether it holds radiance, not what a screen shows.
+    fn is_linear(self) -> bool {
+        matches!(self, Self::Exr | Self::Hdr)
+    }
+
     /// By the name's extension.
     fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("exr") => Ok(Self::Exr),
+            Some("hdr") => Ok(Self::Hdr),
             Some("png") => Ok(Self::Png),
-            _ => bail!("cannot tell the format of {}: name it .exr or .png", path.display()),
+            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            _ => bail!("cannot tell the format of {}: name it .exr, .hdr, .png or .jpg", path.display()),
         }
     }
 }

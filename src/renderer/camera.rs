@@ -36,7 +36,7 @@ impl View {
         let aspect = size[0] as f32 / size[1] as f32;
         let (perspective, half) = match camera.lens {
             Lens::Perspective { yfov, .. } => (true, (yfov * 0.5).tan() as f32),
-            Lens::Orthographic { ymag } => (false, ymag as f32),
+            Lens::Orthographic { ymag, .. } => (false, ymag as f32),
         };
         // Vulkan's clip space points down.
         let scale = Vec2::new(1.0 / (half * aspect), -1.0 / half);

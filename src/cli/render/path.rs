@@ -15,12 +15,21 @@ const MOST_FRAMES: u32 = 1_000_000;
 /// Frames of a sequence, and where the camera is in each.
 #[derive(Args, Clone, Debug)]
 pub struct PathArgs {
-    /// Render frames A to B, a file each: frame n shows the file's animation at n / fps seconds, unless --orbit or --walk moves
-    /// the camera. Records are kept from frame to frame. OUT may hold %04d for the number; else it goes before the extension
-    #[arg(long, value_name = "A-B", value_parser = frames, help_heading = "Sequence")]
+    /// Render frames A to B, a file each, with the records of earlier ones
+    ///
+    /// Frame n shows the file's animation at n / fps seconds, unless --orbit or --walk moves the camera. OUT may hold %04d for the
+    /// frame's number; else it goes before the extension.
+    #[arg(long, value_name = "A-B", value_parser = frames, help_heading = "Scene")]
     pub frames: Option<RangeInclusive<u32>>,
     /// Frames a second
-    #[arg(long, value_name = "F", default_value_t = 24.0, requires = "frames", help_heading = "Sequence")]
+    #[arg(
+        long,
+        value_name = "F",
+        default_value_t = 24.0,
+        requires = "frames",
+        help_heading = "Scene",
+        hide_short_help = true
+    )]
     pub fps: f64,
     /// Turn the camera by so many degrees in all about the vertical axis through the middle of the scene; 360 is a closed loop
     #[arg(
@@ -29,12 +38,12 @@ pub struct PathArgs {
         requires = "frames",
         conflicts_with = "walk",
         allow_negative_numbers = true,
-        help_heading = "Sequence"
+        help_heading = "Scene"
     )]
     pub orbit: Option<f64>,
     /// Move the camera along the keys of a JSON file: {"keys": [{"time": 0, "eye": [x, y, z], "target": [x, y, z]}, …]}, times in
     /// seconds, straight lines between keys; the lens stays
-    #[arg(long, value_name = "FILE.json", requires = "frames", help_heading = "Sequence")]
+    #[arg(long, value_name = "FILE.json", requires = "frames", help_heading = "Scene", hide_short_help = true)]
     pub walk: Option<PathBuf>,
 }
 

@@ -3,7 +3,7 @@
 use super::args::RenderArgs;
 use super::path::{CameraPath, file_of};
 use super::report::Report;
-use super::{Kind, Listener, warn, write};
+use super::{Destination, Kind, Listener, warn, write};
 use crate::cli::say::{remark, say};
 use anyhow::{Context, Result, ensure};
 use hemicube::image::tone::Exposure;
@@ -75,6 +75,8 @@ impl Sequence<'_> {
         if self.rows.is_empty() {
             self.report.plan(renderer.plan());
         }
+        let own = self.args.scene.camera(scene)?.0;
+        let made_with = self.report.made_with(self.args, scene, &own, &self.settings);
         while let Some(frame) = self.next {
             let begun = Instant::now();
             let moment = self.path.scene(&self.args.scene, frame)?;
@@ -87,20 +89,27 @@ impl Sequence<'_> {
             let shown = moment.as_ref().unwrap_or(scene);
             let own = self.args.scene.camera(shown)?.0;
             let camera = self.path.camera(shown, &own, frame)?;
-            self.frame(&mut renderer, &camera, (frame, begun)).with_context(|| format!("frame {frame}"))?;
+            self.frame(&mut renderer, &camera, &made_with, (frame, begun)).with_context(|| format!("frame {frame}"))?;
             self.next = (frame < *self.path.frames.end()).then(|| frame + 1);
         }
         Ok(None)
     }
 
-    fn frame(&mut self, renderer: &mut Renderer<'_>, camera: &Camera, (frame, begun): (u32, Instant)) -> Result<()> {
+    fn frame(
+        &mut self,
+        renderer: &mut Renderer<'_>,
+        camera: &Camera,
+        made_with: &[(&'static str, String)],
+        (frame, begun): (u32, Instant),
+    ) -> Result<()> {
         let mut listener = Listener::new(self.args.talk);
         let mut rendered =
             renderer.render(camera, &self.settings.view(), &mut |name, done, all| listener.hear(name, done, all))?;
         self.report.check(&rendered);
         let writing = Instant::now();
         let output = file_of(&self.args.output, frame);
-        self.exposure = write(self.args, (self.kind, self.exposure), &rendered.picture, &output)?;
+        let file = Destination { path: &output, made_with, camera };
+        self.exposure = write(self.args, (self.kind, self.exposure), &rendered.picture, &file)?;
         self.writing += writing.elapsed();
         let (cache, seconds) = (rendered.cache, begun.elapsed().as_secs_f64());
         let gpu_ms: f64 = rendered.submissions.iter().map(|span| span.end_ms - span.begin_ms).sum();
@@ -122,7 +131,9 @@ impl Sequence<'_> {
         self.report.rendered(&total, self.writing);
         self.report.extra("frames", Value::Array(self.rows));
         let args = self.args;
-        self.report.finish(scene, &total, &args.output, args.stats.as_deref(), args.trace.as_deref())?;
+        let own = args.scene.camera(scene)?.0;
+        let made_with = self.report.made_with(args, scene, &own, &self.settings);
+        self.report.finish(args, scene, &total, &made_with)?;
         Ok(ExitCode::SUCCESS)
     }
 }
