@@ -15,9 +15,9 @@ const MOST_FRAMES: u32 = 1_000_000;
 /// Frames of a sequence, and where the camera is in each.
 #[derive(Args, Clone, Debug)]
 pub struct PathArgs {
-    /// Render frames A to B, a file each, with the records of earlier ones
+    /// Render frames A to B, a file each
     ///
-    /// Frame n shows the file's animation at n / fps seconds, unless --orbit or --walk moves the camera. OUT may hold %04d for the
+    /// Frame n shows the file's animation at n / fps seconds, unless --orbit or --walk moves the camera. Records are kept from frame to frame. OUT may hold %04d for the
     /// frame's number; else it goes before the extension.
     #[arg(long, value_name = "A-B", value_parser = frames, help_heading = "Scene")]
     pub frames: Option<RangeInclusive<u32>>,
@@ -38,7 +38,8 @@ pub struct PathArgs {
         requires = "frames",
         conflicts_with = "walk",
         allow_negative_numbers = true,
-        help_heading = "Scene"
+        help_heading = "Scene",
+        hide_short_help = true
     )]
     pub orbit: Option<f64>,
     /// Move the camera along the keys of a JSON file: {"keys": [{"time": 0, "eye": [x, y, z], "target": [x, y, z]}, …]}, times in
