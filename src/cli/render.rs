@@ -12,6 +12,7 @@ pub use args::RenderArgs;
 
 use super::common::{TalkArgs, check_output};
 use super::say::remark;
+use super::stop;
 use anyhow::{Result, bail};
 use hemicube::image::tone::{Exposure, Look, auto_stops};
 use hemicube::image::{Picture, exr, png};
@@ -98,6 +99,7 @@ fn write(
         Kind::Png => png::write(to.path, picture, "", look())?,
         Kind::Jpeg => png::write_jpeg(to.path, picture, "", look())?,
     }
+    stop::keeps(format!("{} is complete", to.path.display()));
     Ok(exposure)
 }
 

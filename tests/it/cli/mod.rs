@@ -8,6 +8,8 @@ mod probe;
 mod refusals;
 mod reports;
 mod sequences;
+#[cfg(unix)]
+mod stops;
 mod unread;
 
 use crate::common::gltf::{document, glb, triangle};
