@@ -7,6 +7,9 @@ mod pictures;
 mod probe;
 mod refusals;
 mod reports;
+mod sequences;
+#[cfg(unix)]
+mod stops;
 mod unread;
 
 use crate::common::gltf::{document, glb, triangle};
