@@ -29,7 +29,7 @@ pub struct Settings {
     pub height: u32,
     /// Reflections on the way: 0 direct light only, 1 one bounce of indirect light, [`ALL_BOUNCES`] as many as carry light.
     pub bounces: u32,
-    /// Of all bounces, the share of the light by one that may be missing.
+    /// Of all bounces, the share of the light that may be missing.
     pub bounce_tolerance: f32,
     /// How all bounces are summed.
     pub bounce_solver: Solver,

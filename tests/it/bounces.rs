@@ -29,7 +29,7 @@ fn check_sphere(rho: f32, settings: &Settings, most: f64) {
     let expected = 3.0 * q * (1.0 - q.powf(bounces)) / (1.0 - q);
     let off = against(&rendered.picture, "irradiance", TINT, |_, _| Some(expected));
     let bounced = rendered.bounced.unwrap_or_default();
-    let (places, products, lost) = (bounced.places, bounced.residuals.len(), bounced.lost);
+    let (places, products, lost) = (bounced.places, bounced.steps.len(), bounced.lost);
     eprintln!(
         "ρ {rho}, {bounces} bounces: energy {:+.3} %, {places} places, {products} products, {lost:.1e} lost, {:.0?} ms",
         (off.energy - 1.0) * 1e2,
@@ -104,7 +104,7 @@ fn check_reference(name: &str, size: [u32; 2], bounces: u32, truth: &[&str], (mo
         off.mae * 1e2,
         off.block_mae * 1e2,
         balance * 1e2,
-        rendered.bounced.map(|b| (b.places, b.entries, b.residuals, b.lost))
+        rendered.bounced.map(|b| (b.places, b.entries, b.steps.len(), b.lost, b.times_ms))
     );
     assert!(off.block_mae <= most, "{name}: {} off", off.block_mae);
     assert!(balance.abs() <= energy, "{name}: energy {balance} off");

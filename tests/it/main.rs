@@ -36,6 +36,7 @@ mod references;
 mod scenes;
 mod shadows;
 mod slices;
+mod solvers;
 mod stability;
 mod validation;
 mod views;

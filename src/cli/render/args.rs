@@ -44,7 +44,7 @@ pub struct RenderArgs {
     /// first are gathered at sparse places on the surfaces, each captured once
     #[arg(long, value_name = "N|all", default_value = "1", value_parser = parse_bounces, help_heading = "Light")]
     pub(super) bounces: u32,
-    /// Residual at which --bounces all ends, relative to the light of the first bounce
+    /// Share of the light that --bounces all may leave out
     #[arg(long, default_value_t = Settings::default().bounce_tolerance, value_name = "SHARE", help_heading = "Light", hide_short_help = true)]
     pub(super) bounce_tolerance: f32,
     /// Solver of --bounces all

@@ -2,11 +2,12 @@
 //! `--stats` and `--trace`.
 
 use super::args::RenderArgs;
+use super::bounces::{in_numbers, in_words};
 use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
 use hemicube::methods::rates::Rates;
-use hemicube::methods::surface_cache::Bounced;
+use hemicube::methods::surface_cache::ALL_BOUNCES;
 use hemicube::renderer::{Part, Plan, Rendered, Settings};
 use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
@@ -87,7 +88,7 @@ impl Report {
             ("lens", format!("{:?}", camera.lens)),
             ("size", format!("{}x{}", settings.width, settings.height)),
             ("device", self.device.physical.name.clone()),
-            ("bounces", settings.bounces.to_string()),
+            ("bounces", if settings.bounces == ALL_BOUNCES { "all".into() } else { settings.bounces.to_string() }),
             ("seed", cache.seed.to_string()),
             ("cache", format!("{cache:?}")),
             ("lights", format!("{:?}", settings.lights)),
@@ -275,26 +276,6 @@ impl Report {
         }
         trace
     }
-}
-
-/// What was done for light beyond the first bounce, in a line.
-fn in_words(bounced: &Bounced) -> String {
-    let Bounced { places, residuals, lost, seen_bytes, .. } = bounced;
-    format!(
-        "bounces: {places} places, {} products, residual {:.1e}, {:.2} % of the light by reflection left out, {} kB of what is seen",
-        residuals.len(),
-        residuals.last().copied().unwrap_or(0.0),
-        lost * 100.0,
-        seen_bytes / 1000
-    )
-}
-
-/// The same for `--stats`.
-fn in_numbers(bounced: &Bounced) -> serde_json::Value {
-    let Bounced { places, rounds, seen_bytes, entries, residuals, lost, times_ms, .. } = bounced;
-    let [capture, build, solve, light] = times_ms;
-    json!({"places": places, "rounds": rounds, "seen_bytes": seen_bytes, "entries": entries, "residuals": residuals,
-        "lost": lost, "ms": {"capture": capture, "build": build, "solve": solve, "light": light}})
 }
 
 /// What the passes of the cache did, beside the device's rates.

@@ -1,10 +1,10 @@
 //! Solves E = b + K·E, or sums as many of its bounces as are asked for.
 
+use super::gmres;
 use super::system::System;
+use super::vectors::{norm, share, total};
 use glam::DVec3;
-
-/// Directions that GMRES keeps before it starts anew.
-const KEPT: usize = 40;
+use std::time::Instant;
 
 /// How all bounces are summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -16,16 +16,32 @@ pub enum Solver {
     Accelerated,
 }
 
+/// Where a sum stands after a product.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Step {
+    /// ‖b + K·E − E‖/‖b‖ of the worst colour channel, over all places.
+    pub residual: f64,
+    /// Share of all light by reflection that is still missing: 1 − ΣE/ΣE of all bounces, over all places and channels.
+    pub missing: f64,
+    /// Milliseconds since the first product began.
+    pub ms: f64,
+}
+
 /// Irradiance of all places, and how it came about.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Solution {
     /// E of each place, W·m⁻².
     pub irradiance: Vec<DVec3>,
-    /// ‖b + K·E − E‖/‖b‖ after each product, of the worst channel.
-    pub residuals: Vec<f64>,
+    /// One a product.
+    pub steps: Vec<Step>,
     /// What the bounces left out would add, as a share of the whole: an estimate by the last bounces' ratio.
     pub lost: f64,
+    /// Whether all bounces were asked for and the products did not suffice.
+    pub is_unfinished: bool,
 }
+
+/// Least share of the tolerance that the residual is asked for.
+const LEAST_SHARE: f64 = 1e-3;
 
 /// The first `bounces` terms of b + K·b + K²·b + …
 pub fn partial_sum(system: &System, first: &[DVec3], bounces: u32) -> Solution {
@@ -41,15 +57,57 @@ pub fn partial_sum(system: &System, first: &[DVec3], bounces: u32) -> Solution {
     sum.finish(system)
 }
 
-/// All terms, to a residual of `tolerance`, in `most` products at most.
+/// All terms but a share of `tolerance` of the light, in `most` products at most.
+///
+/// An error e leaves the residual (1 − K)·e, which is no smaller than e times 1 − the largest sum of a row of K: the residual is
+/// brought down to that share of the tolerance, a thousandth of it where albedos come close to 1.
 pub fn solve(system: &System, first: &[DVec3], solver: Solver, tolerance: f64, most: usize) -> Solution {
-    match solver {
+    let enough = tolerance * (1.0 - system.largest_row()).max(LEAST_SHARE);
+    let mut solution = match solver {
         Solver::Plain => {
             let mut sum = Sum::new(first);
-            while sum.residual() > tolerance && sum.residuals.len() < most && sum.add(system) {}
+            while sum.log.residual() > enough && sum.log.len() < most && sum.add(system) {}
             sum.finish(system)
         }
-        Solver::Accelerated => accelerated(system, first, tolerance, most),
+        Solver::Accelerated => gmres::solve(system, first, enough, most),
+    };
+    solution.is_unfinished = solution.steps.last().is_some_and(|step| step.residual > enough);
+    solution
+}
+
+/// Remembers how far each product got.
+pub(super) struct Log {
+    begun: Instant,
+    /// With the light that is there in place of what is missing, which the end tells.
+    steps: Vec<Step>,
+}
+
+impl Log {
+    pub(super) fn new() -> Self {
+        Self { begun: Instant::now(), steps: Vec::new() }
+    }
+
+    /// After a product: the residual, and the sum of all irradiance so far.
+    pub(super) fn add(&mut self, residual: f64, there: f64) {
+        self.steps.push(Step { residual, missing: there, ms: self.begun.elapsed().as_secs_f64() * 1e3 });
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    fn residual(&self) -> f64 {
+        self.steps.last().map_or(f64::INFINITY, |step| step.residual)
+    }
+
+    /// The solution, whose last bounce and the one after it are given.
+    pub(super) fn finish(mut self, irradiance: Vec<DVec3>, last: &[DVec3], next: &[DVec3]) -> Solution {
+        let lost = lost(&irradiance, last, next);
+        let whole = total(&irradiance) / (1.0 - lost);
+        for step in &mut self.steps {
+            step.missing = if whole > 0.0 { 1.0 - step.missing / whole } else { 0.0 };
+        }
+        Solution { irradiance, steps: self.steps, lost, is_unfinished: false }
     }
 }
 
@@ -58,162 +116,35 @@ struct Sum<'a> {
     first: &'a [DVec3],
     irradiance: Vec<DVec3>,
     last: Vec<DVec3>,
-    residuals: Vec<f64>,
+    log: Log,
 }
 
 impl<'a> Sum<'a> {
     fn new(first: &'a [DVec3]) -> Self {
-        Self { first, irradiance: first.to_vec(), last: first.to_vec(), residuals: Vec::new() }
-    }
-
-    fn residual(&self) -> f64 {
-        self.residuals.last().copied().unwrap_or(f64::INFINITY)
+        Self { first, irradiance: first.to_vec(), last: first.to_vec(), log: Log::new() }
     }
 
     /// Adds one more bounce; whether there was light in it.
     fn add(&mut self, system: &System) -> bool {
         self.last = system.product(&self.last);
         self.irradiance.iter_mut().zip(&self.last).for_each(|(sum, bounce)| *sum += bounce);
-        self.residuals.push(share(norm(&self.last), norm(self.first)));
-        self.residual() > 0.0
+        self.log.add(share(norm(&self.last), norm(self.first)), total(&self.irradiance));
+        self.log.residual() > 0.0
     }
 
     fn finish(self, system: &System) -> Solution {
         let next = system.product(&self.last);
-        let lost = lost(&self.irradiance, &self.last, &next);
-        Solution { irradiance: self.irradiance, residuals: self.residuals, lost }
+        self.log.finish(self.irradiance, &self.last, &next)
     }
 }
 
 /// What all bounces after `last` add, those after `next` as a geometric series (Aitken 1926), as a share of the whole.
 fn lost(irradiance: &[DVec3], last: &[DVec3], next: &[DVec3]) -> f64 {
-    let total = |values: &[DVec3]| values.iter().map(|v| v.abs().element_sum()).sum::<f64>();
-    let (whole, last, next) = (total(irradiance), total(last), total(next));
+    let size = |values: &[DVec3]| values.iter().map(|v| v.abs().element_sum()).sum::<f64>();
+    let (whole, last, next) = (size(irradiance), size(last), size(next));
     let ratio = if last > 0.0 { (next / last).clamp(0.0, 1.0 - 1e-6) } else { 0.0 };
     let rest = next / (1.0 - ratio);
     if whole > 0.0 { rest / (whole + rest) } else { 0.0 }
-}
-
-/// GMRES from zero. Every scalar is one of each channel, for K mixes no channels.
-fn accelerated(system: &System, first: &[DVec3], tolerance: f64, most: usize) -> Solution {
-    let size = norm(first);
-    let mut solution = Solution { irradiance: vec![DVec3::ZERO; first.len()], ..Solution::default() };
-    let mut rest = first.to_vec();
-    while solution.residuals.len() < most && share(norm(&rest), size) > tolerance {
-        let before = solution.residuals.len();
-        let mut krylov = Krylov::new(rest, tolerance * size);
-        while krylov.is_to_go_on() && solution.residuals.len() < most {
-            krylov.extend(system);
-            solution.residuals.push(share(krylov.residual(), size));
-        }
-        krylov.add_best(&mut solution.irradiance);
-        rest = left_over(system, first, &solution.irradiance);
-        if solution.residuals.len() == before {
-            break;
-        }
-    }
-    // One bounce more: what rounding made negative is gone, and what remains tells how much is missing.
-    let irradiance: Vec<_> = solution.irradiance.iter().zip(&rest).map(|(e, r)| (*e + *r).max(DVec3::ZERO)).collect();
-    let next = system.product(&rest);
-    solution.residuals.push(share(norm(&next), size));
-    solution.lost = lost(&irradiance, &rest, &next);
-    Solution { irradiance, ..solution }
-}
-
-/// b + K·E − E.
-fn left_over(system: &System, first: &[DVec3], irradiance: &[DVec3]) -> Vec<DVec3> {
-    let product = system.product(irradiance);
-    first.iter().zip(product).zip(irradiance).map(|((b, ke), e)| b + ke - e).collect()
-}
-
-/// An orthonormal basis of r, (1 − K)·r, (1 − K)²·r …, and the least residual over it, by Givens rotations.
-struct Krylov {
-    basis: Vec<Vec<DVec3>>,
-    /// Columns of the triangular factor.
-    columns: Vec<Vec<DVec3>>,
-    /// Cosine and sine of each rotation.
-    turns: Vec<[DVec3; 2]>,
-    right: Vec<DVec3>,
-    enough: DVec3,
-}
-
-impl Krylov {
-    fn new(rest: Vec<DVec3>, enough: DVec3) -> Self {
-        let length = norm(&rest);
-        let unit = rest.into_iter().map(|r| ratio(r, length)).collect();
-        Self { basis: vec![unit], columns: Vec::new(), turns: Vec::new(), right: vec![length], enough }
-    }
-
-    fn residual(&self) -> DVec3 {
-        self.right[self.columns.len()].abs()
-    }
-
-    fn is_to_go_on(&self) -> bool {
-        self.columns.len() < KEPT && self.residual().cmpgt(self.enough).any()
-    }
-
-    fn extend(&mut self, system: &System) {
-        let last = &self.basis[self.columns.len()];
-        let product = system.product(last);
-        let mut next: Vec<DVec3> = last.iter().zip(product).map(|(v, kv)| v - kv).collect();
-        let mut column = Vec::new();
-        for v in &self.basis {
-            let along = dot(v, &next);
-            next.iter_mut().zip(v).for_each(|(n, v)| *n -= along * v);
-            column.push(along);
-        }
-        let length = norm(&next);
-        next.iter_mut().for_each(|n| *n = ratio(*n, length));
-        for (i, [c, s]) in self.turns.iter().enumerate() {
-            (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
-        }
-        self.turn(column, length);
-        self.basis.push(next);
-    }
-
-    /// Turns what lies below the diagonal of a new column to zero.
-    fn turn(&mut self, mut column: Vec<DVec3>, below: DVec3) {
-        let at = self.columns.len();
-        let diagonal = (column[at] * column[at] + below * below).map(f64::sqrt);
-        let (c, s) = (ratio(column[at], diagonal), ratio(below, diagonal));
-        column[at] = diagonal;
-        self.columns.push(column);
-        self.turns.push([c, s]);
-        let right = self.right[at];
-        self.right[at] = c * right;
-        self.right.push(-s * right);
-    }
-
-    /// Adds the combination of the basis with the least residual.
-    fn add_best(&self, irradiance: &mut [DVec3]) {
-        let count = self.columns.len();
-        let mut factors = vec![DVec3::ZERO; count];
-        for i in (0..count).rev() {
-            let known: DVec3 = (i + 1..count).map(|j| self.columns[j][i] * factors[j]).sum();
-            factors[i] = ratio(self.right[i] - known, self.columns[i][i]);
-        }
-        for (v, factor) in self.basis.iter().zip(factors) {
-            irradiance.iter_mut().zip(v).for_each(|(e, v)| *e += factor * v);
-        }
-    }
-}
-
-fn dot(a: &[DVec3], b: &[DVec3]) -> DVec3 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn norm(values: &[DVec3]) -> DVec3 {
-    dot(values, values).map(f64::sqrt)
-}
-
-/// Channel by channel; 0 where there is nothing to divide by.
-fn ratio(a: DVec3, b: DVec3) -> DVec3 {
-    let channel = |i: usize| if b[i] > 0.0 { a[i] / b[i] } else { 0.0 };
-    DVec3::new(channel(0), channel(1), channel(2))
-}
-
-fn share(a: DVec3, b: DVec3) -> f64 {
-    ratio(a, b).max_element()
 }
 
 #[cfg(test)]
@@ -254,6 +185,11 @@ mod tests {
                 assert!(sum.irradiance.iter().all(|e| (e.x / expected - 1.0).abs() < 1e-6), "{rho} {bounces}");
                 let rest = q.powi(bounces as i32);
                 assert!((sum.lost / rest - 1.0).abs() < 1e-4, "{} of {rest}", sum.lost);
+                // After the product of index i there are i + 2 bounces.
+                for (i, step) in sum.steps.iter().enumerate() {
+                    let rest = q.powi(i as i32 + 2);
+                    assert!((step.missing / rest - 1.0).abs() < 1e-4, "{i}: {} of {rest}", step.missing);
+                }
             }
             for solver in [Solver::Plain, Solver::Accelerated] {
                 let all = solve(&system, &first, solver, 1e-6, 5000);
@@ -267,7 +203,7 @@ mod tests {
     fn acceleration_pays_where_light_stays() {
         let (system, first) = (chain(10, 0.99, 0.01), one_lamp(10));
         let [plain, fast] = [Solver::Plain, Solver::Accelerated].map(|s| solve(&system, &first, s, 1e-8, 10_000));
-        let (slow, quick) = (plain.residuals.len(), fast.residuals.len());
+        let (slow, quick) = (plain.steps.len(), fast.steps.len());
         eprintln!("ten rooms: {slow} products plainly, {quick} accelerated");
         assert!(slow > 1000 && quick <= 15, "{slow} {quick}");
         for (a, b) in plain.irradiance.iter().zip(&fast.irradiance) {
@@ -276,6 +212,9 @@ mod tests {
             assert_eq!(b.z, 0.0);
         }
         assert!(plain.lost < 1e-5 && fast.lost < 1e-5);
+        for steps in [&plain.steps, &fast.steps] {
+            assert!(steps[0].missing > 0.5 && steps.last().unwrap().missing.abs() < 1e-5, "{steps:?}");
+        }
     }
 
     /// What no light reaches stays exactly black.

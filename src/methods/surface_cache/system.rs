@@ -39,13 +39,21 @@ impl System {
         self.entries.len()
     }
 
+    /// The largest sum of a row, of any colour channel: no bounce has more of the one before.
+    pub fn largest_row(&self) -> f64 {
+        let sum = |p: usize| self.row(p).iter().map(|entry| entry.factor.as_dvec3()).sum::<DVec3>().max_element();
+        (0..self.ends.len()).into_par_iter().map(sum).reduce(|| 0.0, f64::max)
+    }
+
+    fn row(&self, place: usize) -> &[Entry] {
+        let begin = place.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.entries[begin..self.ends[place]]
+    }
+
     /// K·E. Every row has one order of summation: the result does not depend on the number of threads.
     pub fn product(&self, irradiance: &[DVec3]) -> Vec<DVec3> {
-        let row = |p: usize| {
-            let begin = if p == 0 { 0 } else { self.ends[p - 1] };
-            let of_entry = |entry: &Entry| entry.factor.as_dvec3() * irradiance[entry.place as usize];
-            self.entries[begin..self.ends[p]].iter().map(of_entry).sum()
-        };
+        let of_entry = |entry: &Entry| entry.factor.as_dvec3() * irradiance[entry.place as usize];
+        let row = |p: usize| self.row(p).iter().map(of_entry).sum();
         (0..self.ends.len()).into_par_iter().with_min_len(64).map(row).collect()
     }
 }
