@@ -40,8 +40,9 @@ pub struct RenderArgs {
     /// [default: agx]
     #[arg(long, value_name = "NAME", help_heading = "Image")]
     pub(super) tone: Option<ToneMap>,
-    /// Bounces of indirect light: 0 for direct light only, 1 for one bounce, all for as many as carry light. Bounces beyond the
-    /// first are gathered at sparse places on the surfaces, each captured once
+    /// Bounces of indirect light: 0 for direct light only, all for as many as carry light
+    ///
+    /// Bounces beyond the first are gathered at sparse places on the surfaces, each captured once.
     #[arg(long, value_name = "N|all", default_value = "1", value_parser = parse_bounces, help_heading = "Light")]
     pub(super) bounces: u32,
     /// Share of the light that --bounces all may leave out
