@@ -172,12 +172,16 @@ impl Report {
         }
         if !self.talk.quiet {
             say!("\n{}", profile.to_string().trim_end());
+            let wrote = args.output.as_ref().map(|path| format!(", wrote {}", path.display())).unwrap_or_default();
+            let reused = match rendered.cache.reused {
+                0 => String::new(),
+                reused => format!(", {reused} reused"),
+            };
             say!(
-                "{} records in {} rounds, {} MB on the device, wrote {}",
+                "{} records in {} rounds{reused}, {} MB on the device{wrote}",
                 rendered.cache.records,
                 rendered.cache.rounds,
-                rendered.memory.peak >> 20,
-                args.output.display()
+                rendered.memory.peak >> 20
             );
             if let Some(work) = rendered.cache.work {
                 let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
@@ -245,6 +249,7 @@ impl Report {
                 "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});
             stats.extra.insert("work".into(), work);
         }
+        stats.extra.insert("reused".into(), json!(rendered.cache.reused));
         stats.extra.extend(self.extra.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
         stats.validation_messages = u64::from(messages);
         stats.set_times(profile);
