@@ -53,7 +53,7 @@ fn code(rgb: [u8; 3]) -> [u8; 3] {
 
 /// A rate as a ratio of whole numbers: 24, 30000/1001, or to a thousandth.
 fn ratio(rate: f64) -> [u64; 2] {
-    let under = [1, 1001].into_iter().find(|under| {
+    let under = [1_u32, 1001].into_iter().find(|under| {
         let over = rate * f64::from(*under);
         over >= 1.0 && (over - over.round()).abs() < 1e-6 * over && (*under == 1 || over.round() % 1000.0 == 0.0)
     });

@@ -30,7 +30,12 @@ impl Scene {
         [
             ("geometry", Fnv::of(|hash| self.hash_geometry(hash))),
             ("material", Fnv::of(|hash| self.hash_materials(hash))),
-            ("light", Fnv::of(|hash| drop(write!(hash, "{:?}", self.lights)))),
+            (
+                "light",
+                Fnv::of(|hash| {
+                    let _ = write!(hash, "{:?}", self.lights);
+                }),
+            ),
             ("background", Fnv::of(|hash| self.hash_background(hash))),
             ("place of a camera", Fnv::of(|hash| self.hash_cameras(hash))),
         ]

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 const SMALL: &str = "--width 48 --height 48 --surface-cells 4000";
+const LARGE: &str = "--width 96 --height 96 --surface-cells 4000";
 
 fn render(folder: &Path, rest: &str) -> Run {
     hemicube(folder, &format!("render -q {SMALL} {rest}"))
@@ -22,11 +23,12 @@ fn a_second_run_with_the_file_needs_no_record_and_shows_the_same_bits() {
     let folder = folder();
     for more in ["", "--background .2,.4,.8 --contrast 0", "--capture hemisphere --accuracy 0.6"] {
         let file = |name: &str| fs::read(folder.path().join(name)).unwrap();
-        let run = |rest: &str| {
-            let run = render(folder.path(), &format!("--stats s.json --layers all {more} {rest}"));
+        let sized = |size: &str, rest: &str| {
+            let run = hemicube(folder.path(), &format!("render -q {size} --stats s.json --layers all {more} {rest}"));
             assert!(run.code == 0 && run.err.is_empty(), "{run:?}");
             counts(folder.path())
         };
+        let run = |rest: &str| sized(SMALL, rest);
         let _ = fs::remove_file(folder.path().join("r.bin"));
         let (all, none) = run("-o plain.exr");
         assert!(all > 0 && none == 0);
@@ -39,10 +41,10 @@ fn a_second_run_with_the_file_needs_no_record_and_shows_the_same_bits() {
         }
         assert!(file("r.bin") == records, "nothing was added");
         // A larger image needs more; only --cache keeps them.
-        let (added, _) = run("-o large.exr --width 96 --height 96 --cache-ro r.bin");
+        let (added, _) = sized(LARGE, "-o large.exr --cache-ro r.bin");
         assert!(added > 0 && file("r.bin") == records);
-        assert_eq!(run("-o large.exr --width 96 --height 96 --cache r.bin"), (added, all));
-        assert_eq!(run("-o large.exr --width 96 --height 96 --cache-ro r.bin"), (0, all + added));
+        assert_eq!(sized(LARGE, "-o large.exr --cache r.bin"), (added, all));
+        assert_eq!(sized(LARGE, "-o large.exr --cache-ro r.bin"), (0, all + added));
     }
 }
 
