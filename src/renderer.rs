@@ -125,6 +125,7 @@ pub struct Renderer<'a> {
     /// How the records were made.
     records_by: CacheSettings,
     view: Option<View>,
+    stop: Box<dyn Fn() -> bool + 'a>,
     clock: Clock,
 }
 
@@ -169,6 +170,7 @@ impl<'a> Renderer<'a> {
             surface,
             records,
             view: None,
+            stop: Box::new(|| false),
             clock,
         })
     }
@@ -178,6 +180,12 @@ impl<'a> Renderer<'a> {
         if let Some(records) = &mut self.records {
             records.truncate(0);
         }
+    }
+
+    /// Views make no more records once `stop` says so. Their pictures are complete, of what records there are, a batch at least, and
+    /// [`CacheStats::unfinished`] says so. Later views use these records; where they cover a pixel, none are added for contrast.
+    pub fn stop_when(&mut self, stop: impl Fn() -> bool + 'a) {
+        self.stop = Box::new(stop);
     }
 
     /// All records, to be used again by another renderer of the scene ([`Self::use_records`],
@@ -239,7 +247,7 @@ impl<'a> Renderer<'a> {
         let cache = loop {
             let ground = self.surface.ground(&self.scene);
             let before = self.records.as_ref().map_or(0, Records::count);
-            let stats = view.run_cache(&mut recorder, &ground, &eyes, self.records.as_mut(), on_progress);
+            let stats = view.run_cache(&mut recorder, &ground, &eyes, self.records.as_mut(), (&self.stop, on_progress));
             if let (Err(_), Some(records)) = (&stats, &mut self.records) {
                 records.truncate(before);
             }

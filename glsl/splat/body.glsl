@@ -18,7 +18,7 @@ layout(set = 0, binding = 2, std430) readonly buffer Horizons { uint horizons[];
 layout(set = 0, binding = 3, std430) readonly buffer Zones { float zones[]; };  // radius of each record of the whole store
 layout(set = 0, binding = 4) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_normals;
-layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; uint first_zone; } push;
+layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; float share; uint first_zone; } push;
 #include "splat/hidden.glsl"
 layout(location = 0) flat in uint record_index;
 layout(location = 0) out vec4 sum;
@@ -72,7 +72,7 @@ float weight(Kept record, float radius, vec4 surface, vec3 offset, out vec3 n) {
     }
     if (!(w > 0.0)) return rejected();
     if (SIZE != 0 && hidden(record_index, record, offset)) return rejected();
-    return w;
+    return push.share * w;
 }
 
 void main() {

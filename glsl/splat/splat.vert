@@ -13,6 +13,7 @@ layout(push_constant) uniform Push {
     vec4 scale;  // ndc = scale.xy·(x, y)/depth; w: 0 parallel
     float accuracy;
     float normal_limit;
+    float share;  // of the weight that counts
     uint first_zone;
 } push;
 layout(location = 0) flat out uint record_index;

@@ -58,6 +58,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if let Some(records) = &mut records {
         records.fill(&mut renderer)?;
     }
+    renderer.stop_when(|| stop::is_asked() || args.is_over(started));
+    stop::finishes(true);
     let rendered = renderer.render(&camera, &settings.view(), &mut hear)?;
     drop(listener);
     report.check(&rendered);
@@ -65,8 +67,11 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let made_with = report.made_with(args, &scene, &camera, &settings);
     let file = Destination { path: output, made_with: &made_with, camera: &camera };
     write(args, (picture_kind, args.exposure.unwrap_or_default()), &rendered.picture, &file)?;
+    stop::finishes(false);
     if let Some(records) = &mut records {
-        records.save(&renderer)?;
+        if !rendered.cache.unfinished {
+            records.save(&renderer)?;
+        }
         report.extra("cache_file", records.stats());
     }
     report.rendered(&rendered, writing.elapsed());
@@ -75,6 +80,13 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     report.finish(args, &scene, &rendered, &made_with)?;
     Ok(ExitCode::SUCCESS)
+}
+
+impl RenderArgs {
+    /// Whether the time for records, or for frames, is over.
+    fn is_over(&self, started: Instant) -> bool {
+        self.time_limit.is_some_and(|seconds| started.elapsed().as_secs_f64() > seconds)
+    }
 }
 
 /// Warns of a scene without light, and of flags that do nothing for this kind of picture.

@@ -238,6 +238,7 @@ fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) 
         scale: [1.0, -1.0, 0.0, 1.0],
         accuracy: 0.3,
         normal_limit: 2.0,
+        share: 1.0,
     };
     let seconds = stopwatch.seconds(|recording| {
         recording.pass("gbuffer", |c| {

@@ -26,6 +26,8 @@ pub struct View {
     pub accuracy: f32,
     /// √(1 − n·n_k) at which the weight has fallen to zero.
     pub normal_limit: f32,
+    /// Share of the weight that counts: 1, or next to nothing for what stands in where nothing else is.
+    pub share: f32,
 }
 
 #[repr(C)]

@@ -4,7 +4,7 @@ use super::cache::CacheArgs;
 use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
 use super::path::PathArgs;
 use crate::cli::choices::{CaptureArg, GradientsArg, WeightArg};
-use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
+use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs, parse_seconds};
 use clap::Args;
 use hemicube::image::LayerSet;
 use hemicube::image::tone::{Exposure, ToneMap};
@@ -136,6 +136,10 @@ pub struct RenderArgs {
     pub(super) seed: u32,
     #[command(flatten)]
     pub(super) cache: CacheArgs,
+    /// Place no more records after so many seconds of the run: the picture is complete, of the records that there are, and gets better
+    /// with more time. Of a sequence no more frames are begun (--resume goes on)
+    #[arg(long, value_name = "S", value_parser = parse_seconds, help_heading = "Irradiance cache")]
+    pub(super) time_limit: Option<f64>,
     /// Build and run every pass, needed or not (to check that leaving passes out changes no pixel)
     #[arg(long, hide_short_help = true, help_heading = "Device")]
     pub(super) full_plan: bool,

@@ -5,15 +5,11 @@ use crate::cli::stop;
 use anyhow::Result;
 use clap::Args;
 use hemicube::methods::records::Stored;
-use hemicube::methods::records::file::{self, Origin};
+use hemicube::methods::records::file::{self, Origin, Packed};
 use hemicube::renderer::{Renderer, Settings};
 use hemicube::scene::Scene;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-
-/// How long records of a sequence are kept in memory alone.
-const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Where records are kept.
 #[derive(Args, Clone, Debug)]
@@ -22,7 +18,7 @@ pub struct CacheArgs {
     ///
     /// A run that needs no new record gives the same bits as the one that wrote the file. Records are of one scene, its lights and the
     /// settings of the irradiance cache: a file of others, or a damaged one, is refused. Views and image sizes may differ. The file
-    /// is replaced as a whole, at the end of the run and every half minute of a sequence; two runs must not write it at once.
+    /// is replaced as a whole, after each frame that needs new records; two runs must not write it at once.
     #[arg(long, value_name = "FILE", help_heading = "Irradiance cache")]
     cache: Option<PathBuf>,
     /// Use the records that FILE holds, and leave it as it is; any number of runs may read it
@@ -46,7 +42,7 @@ pub struct RecordFile {
     /// Records in it.
     count: u32,
     read: u32,
-    saved: Instant,
+    packed: Packed,
 }
 
 impl CacheArgs {
@@ -66,7 +62,8 @@ impl CacheArgs {
         let begins = writes && !path.exists();
         let stored = if begins { None } else { Some(file::read(path, &origin)?) };
         let count = stored.as_ref().map_or(0, Stored::count);
-        let file = RecordFile { path: path.clone(), writes, origin, stored, count, read: count, saved: Instant::now() };
+        let file =
+            RecordFile { path: path.clone(), writes, origin, stored, count, read: count, packed: Packed::default() };
         Ok(Some(file))
     }
 }
@@ -91,17 +88,11 @@ impl RecordFile {
             return Ok(());
         }
         if let Some(stored) = renderer.records()? {
-            file::write(&self.path, &self.origin, &stored)?;
+            self.packed.write(&self.path, &self.origin, &stored)?;
             self.count = stored.count();
             stop::keeps_records(format!("{} holds {} records", self.path.display(), self.count));
         }
-        self.saved = Instant::now();
         Ok(())
-    }
-
-    /// The same, now and then.
-    pub fn save_at_times(&mut self, renderer: &Renderer<'_>) -> Result<()> {
-        if self.saved.elapsed() < PATIENCE { Ok(()) } else { self.save(renderer) }
     }
 
     /// The file.

@@ -118,6 +118,12 @@ impl Report {
     /// Warns of what went otherwise than planned, and of values that no picture should have.
     pub fn check(&self, rendered: &Rendered) {
         rendered.warnings.iter().filter(|_| !self.talk.quiet).for_each(|warning| remark!("warning: {warning}"));
+        if rendered.cache.unfinished && !self.talk.quiet {
+            let records = rendered.cache.records + rendered.cache.reused;
+            remark!(
+                "note: stopped before all records were placed: the picture is made of {records}; --cache is left as it was"
+            );
+        }
         let picture = &rendered.picture;
         for (channel, count) in picture.non_finite() {
             remark!("warning: {count} pixels of {channel} are NaN or infinite");
@@ -249,6 +255,7 @@ impl Report {
                 "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});
             stats.extra.insert("work".into(), work);
         }
+        stats.extra.insert("unfinished".into(), json!(rendered.cache.unfinished));
         stats.extra.insert("reused".into(), json!(rendered.cache.reused));
         stats.extra.extend(self.extra.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
         stats.validation_messages = u64::from(messages);

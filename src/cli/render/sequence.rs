@@ -29,10 +29,13 @@ struct Sequence<'a> {
     report: Report,
     settings: Settings,
     records: Option<RecordFile>,
+    /// Whether these are of the scene that is shown now.
+    keeps_records: bool,
     /// That of the first frame, so that the others do not flicker.
     exposure: Exposure,
     /// Where the frames go besides their files.
     video: Option<Video<Stdout>>,
+    started: Instant,
     next: Option<u32>,
     /// Frames that were there.
     skipped: u32,
@@ -46,6 +49,11 @@ pub fn run(args: &RenderArgs, mut path: CameraPath, kind: Kind, started: Instant
     if args.path.y4m {
         divert();
     }
+    let looks_alike = kind.is_linear() || args.exposure.is_some_and(|exposure| exposure != Exposure::Auto);
+    ensure!(
+        !args.path.resume || looks_alike,
+        "--resume needs --exposure STOPS, the same in every run: frames would not look alike"
+    );
     ensure!(!args.measure, "--measure is of one image; leave --frames out");
     let mut scene = path.load(&args.scene)?;
     let (camera, note) = args.scene.camera(&scene)?;
@@ -73,7 +81,9 @@ pub fn run(args: &RenderArgs, mut path: CameraPath, kind: Kind, started: Instant
         report,
         settings,
         records,
+        keeps_records: false,
         exposure: args.exposure.unwrap_or_default(),
+        started,
         skipped: 0,
         rows: Vec::new(),
         total: None,
@@ -95,30 +105,29 @@ impl Sequence<'_> {
         if self.rows.is_empty() {
             self.report.plan(renderer.plan());
         }
-        let is_kept = self.fill(&mut renderer, scene)?;
-        let changed = self.frames_by(&mut renderer, scene, is_kept)?;
-        if let Some(records) = self.records.as_mut().filter(|_| is_kept) {
-            records.save(&renderer)?;
-        }
-        Ok(changed)
+        self.fill(&mut renderer, scene)?;
+        self.frames_by(&mut renderer, scene)
     }
 
-    /// Takes over the file's records; whether they are of this scene.
-    fn fill(&mut self, renderer: &mut Renderer<'_>, scene: &Scene) -> Result<bool> {
-        let Some(records) = &mut self.records else { return Ok(false) };
-        let is_kept = records.is_of(scene, &self.settings);
-        if is_kept {
+    /// Takes over the file's records, if they are of this scene.
+    fn fill(&mut self, renderer: &mut Renderer<'_>, scene: &Scene) -> Result<()> {
+        let Some(records) = &mut self.records else { return Ok(()) };
+        self.keeps_records = records.is_of(scene, &self.settings);
+        if self.keeps_records {
             records.fill(renderer)?;
         } else if !self.args.talk.quiet {
             remark!("note: {} is of the first frame's scene: it serves no others", records.path().display());
         }
-        Ok(is_kept)
+        Ok(())
     }
 
-    fn frames_by(&mut self, renderer: &mut Renderer<'_>, scene: &Scene, is_kept: bool) -> Result<Option<Scene>> {
+    fn frames_by(&mut self, renderer: &mut Renderer<'_>, scene: &Scene) -> Result<Option<Scene>> {
         let own = self.args.scene.camera(scene)?.0;
         let made_with = self.report.made_with(self.args, scene, &own, &self.settings);
         while let Some(frame) = self.next {
+            if self.args.is_over(self.started) {
+                return Ok(None);
+            }
             if self.is_done(frame) {
                 self.skipped += 1;
                 self.next = self.after(frame);
@@ -137,9 +146,6 @@ impl Sequence<'_> {
             let camera = self.path.camera(shown, &own, frame)?;
             self.frame(renderer, &camera, &made_with, (frame, begun)).with_context(|| format!("frame {frame}"))?;
             self.next = self.after(frame);
-            if let Some(records) = self.records.as_mut().filter(|_| is_kept) {
-                records.save_at_times(renderer)?;
-            }
         }
         Ok(None)
     }
@@ -148,11 +154,10 @@ impl Sequence<'_> {
         (frame < *self.path.frames.end()).then(|| frame + 1)
     }
 
-    /// Whether an earlier run made the frame, and this one is to go on with it. One that others take their exposure from is made again.
+    /// Whether an earlier run made the frame, and this one is to go on after it.
     fn is_done(&self, frame: u32) -> bool {
-        let knows_exposure = self.kind.is_linear() || self.exposure != Exposure::Auto;
         let is_there = |output: &PathBuf| file_of(output, frame).is_file();
-        self.args.path.resume && knows_exposure && self.args.output.as_ref().is_some_and(is_there)
+        self.args.path.resume && self.args.output.as_ref().is_some_and(is_there)
     }
 
     fn frame(
@@ -167,6 +172,10 @@ impl Sequence<'_> {
             renderer.render(camera, &self.settings.view(), &mut |name, done, all| listener.hear(name, done, all))?;
         self.report.check(&rendered);
         let writing = Instant::now();
+        // Before the picture: a run that goes on after it shall have them.
+        if let Some(records) = self.records.as_mut().filter(|_| self.keeps_records) {
+            records.save(renderer)?;
+        }
         self.show(&rendered.picture)?;
         let output = self.args.output.as_ref().map(|output| file_of(output, frame));
         if let Some(path) = &output {
@@ -202,6 +211,9 @@ impl Sequence<'_> {
     fn finish(mut self, scene: &Scene) -> Result<ExitCode> {
         if self.skipped > 0 && !self.args.talk.quiet {
             say!("{} frames were there already", self.skipped);
+        }
+        if let Some(next) = self.next.filter(|_| !self.args.talk.quiet) {
+            say!("stopped before frame {next}, by --time-limit; --resume goes on");
         }
         let Some(total) = self.total.take() else { return Ok(ExitCode::SUCCESS) };
         self.report.rendered(&total, self.writing);

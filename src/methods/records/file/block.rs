@@ -15,7 +15,7 @@ use std::ops::Range;
 const ROWS: usize = 8;
 
 /// Writes a range of records.
-pub fn write(sink: &mut (impl Write + ?Sized), stored: &Stored, range: Range<u32>) -> io::Result<()> {
+pub fn write(sink: &mut Vec<u8>, stored: &Stored, range: Range<u32>) -> io::Result<()> {
     let (count, shape) = (range.len(), stored.shape);
     let at = |size: usize| range.start as usize * size..range.end as usize * size;
     let mut encoder = DeflateEncoder::new(Vec::new(), Compression::new(6));

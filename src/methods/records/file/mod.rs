@@ -54,25 +54,45 @@ struct Header {
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, origin: &Origin, stored: &Stored) -> Result<(), WriteError> {
-    let header = Header {
-        origin: origin.clone(),
-        payloads: stored.shape.payloads,
-        horizon: stored.shape.horizon.map(|horizon| horizon.size),
-        records: stored.count(),
-    };
-    write_atomic(path, |sink| {
-        let header = serde_json::to_vec(&header).map_err(io::Error::other)?;
-        sink.write_all(LETTERS)?;
-        sink.write_all(&ORDER)?;
-        sink.write_all(&FORMAT.to_le_bytes())?;
-        sink.write_all(&(header.len() as u32).to_le_bytes())?;
-        sink.write_all(&parts::checksum(&[&header]).to_le_bytes())?;
-        sink.write_all(&header)?;
-        for first in (0..stored.count()).step_by(BLOCK as usize) {
-            block::write(sink, stored, first..(first + BLOCK).min(stored.count()))?;
-        }
-        Ok(())
-    })
+    Packed::default().write(path, origin, stored)
+}
+
+/// Blocks of records that were written before: they are packed once, and more records follow.
+#[derive(Default)]
+pub struct Packed(Vec<Vec<u8>>);
+
+impl Packed {
+    /// Writes records, the first of which are those that it wrote before.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(&mut self, path: &Path, origin: &Origin, stored: &Stored) -> Result<(), WriteError> {
+        let header = Header {
+            origin: origin.clone(),
+            payloads: stored.shape.payloads,
+            horizon: stored.shape.horizon.map(|horizon| horizon.size),
+            records: stored.count(),
+        };
+        write_atomic(path, |sink| {
+            let header = serde_json::to_vec(&header).map_err(io::Error::other)?;
+            sink.write_all(LETTERS)?;
+            sink.write_all(&ORDER)?;
+            sink.write_all(&FORMAT.to_le_bytes())?;
+            sink.write_all(&(header.len() as u32).to_le_bytes())?;
+            sink.write_all(&parts::checksum(&[&header]).to_le_bytes())?;
+            sink.write_all(&header)?;
+            for number in self.0.len() as u32..stored.count().div_ceil(BLOCK) {
+                let first = number * BLOCK;
+                let mut block = Vec::new();
+                block::write(&mut block, stored, first..(first + BLOCK).min(stored.count()))?;
+                self.0.push(block);
+            }
+            self.0.iter().try_for_each(|block| sink.write_all(block))?;
+            // The last one may have room for more.
+            self.0.truncate((stored.count() / BLOCK) as usize);
+            Ok(())
+        })
+    }
 }
 
 /// Reads records that were made of `origin`.

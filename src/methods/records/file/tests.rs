@@ -109,3 +109,19 @@ fn what_differs_is_named() {
     says("made with --accuracy 0.3, and this run has --accuracy 0.2", &|o| o.settings[0].1 = "0.2".into());
     says("made of something else", &|o| drop(o.settings.pop()));
 }
+
+#[test]
+fn a_file_that_grows_is_the_file_of_all_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.records");
+    let shape = shapes()[1];
+    let mut packed = Packed::default();
+    for count in [0, 10, 1024, 1030, 3000, 3000] {
+        let stored = records(3000, shape);
+        let (words, bytes) = (count * shape.words(), count * shape.horizon_bytes());
+        let stored =
+            Stored { shape, words: stored.words[..words].to_vec(), horizons: stored.horizons[..bytes].to_vec() };
+        packed.write(&path, &origin(), &stored).unwrap();
+        assert!(std::fs::read(&path).unwrap() == written(&stored), "{count}");
+    }
+}
