@@ -58,6 +58,10 @@ float weight(Kept record, float radius, vec4 surface, vec3 offset, out vec3 n) {
 
     n = oct_decode(texelFetch(gbuffer_normals, ivec2(gl_FragCoord.xy), 0).x);
     vec3 nk = record.normal.xyz;
+    if (push.normal_limit == 0.0) {  // it stands in on any surface, as it is
+        n = nk;
+        return push.share * (1.0 - sqrt(distance2) / radius);
+    }
     if (!(dot(n, nk) > 0.0)) return rejected();
     // 1 − n·n_k = ½‖n − n_k‖², without the cancellation.
     float bend = length(n - nk) * 0.70710678;

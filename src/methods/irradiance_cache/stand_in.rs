@@ -10,9 +10,12 @@ use std::f32::consts::PI;
 /// Records that stand in at a pixel, on average.
 const LAYERS: f32 = 8.0;
 /// Records that stand in anywhere: the first ones lie all over the image.
-const FIRST: u32 = 32;
-/// Limit of √(1 − n·n_k) there: any normal on the same side.
-const ANY_NORMAL: f32 = 1.5;
+const FIRST: u32 = 16;
+/// Radius of their zones in diagonals of the image: from a near record to what lies far behind it.
+const FAR: f32 = 16.0;
+/// Limits of √(1 − n·n_k): any normal on the same side, and any at all.
+const SAME_SIDE: f32 = 1.5;
+const ANY: f32 = 0.0;
 
 impl Filling<'_> {
     /// Splats what there is with wide zones, with so little weight that nothing changes where records reach.
@@ -20,11 +23,12 @@ impl Filling<'_> {
         let [width, height] = self.gbuffer.position.desc.size.map(|side| side as f32);
         let count = self.store.count();
         let wide = (LAYERS * width * height / (PI * count as f32)).sqrt().max(self.cache.reach.max);
-        let steps = [(count, wide, 1e-3), (count.min(FIRST), 2.0 * width.hypot(height), 1e-6)];
+        let (first, whole) = (count.min(FIRST), FAR * width.hypot(height));
+        let steps = [(count, wide, SAME_SIDE, 1e-3), (first, whole, SAME_SIDE, 1e-6), (first, whole, ANY, 1e-9)];
         recorder.submit(|recording| {
-            for (count, pixels, share) in steps {
+            for (count, pixels, normal_limit, share) in steps {
                 let reach = Reach { min: pixels, max: pixels, ..self.cache.reach };
-                let view = View { normal_limit: ANY_NORMAL, share, ..self.viewpoint.view };
+                let view = View { normal_limit, share, ..self.viewpoint.view };
                 self.splat(recording, (0..count, Whose::Old), (reach, &view))?;
             }
             Ok(())

@@ -104,7 +104,7 @@ fn a_sequence_that_is_killed_goes_on_where_it_was() {
         let mut command = Command::new(env!("CARGO_BIN_EXE_hemicube"));
         command.current_dir(folder.path()).args(arguments.split_whitespace());
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-        std::thread::sleep(whole.time.mul_f64(0.4 + 0.01 * f64::from(kills)));
+        std::thread::sleep(whole.time.mul_f64(0.15 + 0.02 * f64::from(kills)));
         child.kill().unwrap();
         child.wait().unwrap();
         kills += 1;
