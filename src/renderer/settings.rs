@@ -206,6 +206,7 @@ impl Settings {
         if !(0.0..=1e4).contains(&self.cache.contrast) {
             return Err(error("--contrast", self.cache.contrast, "must be from 0 (records may disagree) to 10000"));
         }
+        positive("--normal-limit", self.cache.normal_limit, 10.0)?;
         range("--batch", self.cache.batch.unwrap_or(1), 1, u32::MAX)?;
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;

@@ -120,6 +120,12 @@ impl Report {
     /// Warns of what went otherwise than planned, and of values that no picture should have.
     pub fn check(&self, rendered: &Rendered) {
         rendered.warnings.iter().filter(|_| !self.talk.quiet).for_each(|warning| remark!("warning: {warning}"));
+        if rendered.cache.unfinished && !self.talk.quiet {
+            let records = rendered.cache.records + rendered.cache.reused;
+            remark!(
+                "note: stopped before all records were placed: the picture is made of {records}; --cache is left as it was"
+            );
+        }
         let picture = &rendered.picture;
         for (channel, count) in picture.non_finite() {
             remark!("warning: {count} pixels of {channel} are NaN or infinite");
@@ -174,12 +180,16 @@ impl Report {
         }
         if !self.talk.quiet {
             say!("\n{}", profile.to_string().trim_end());
+            let wrote = args.output.as_ref().map(|path| format!(", wrote {}", path.display())).unwrap_or_default();
+            let reused = match rendered.cache.reused {
+                0 => String::new(),
+                reused => format!(", {reused} reused"),
+            };
             say!(
-                "{} records in {} rounds, {} MB on the device, wrote {}",
+                "{} records in {} rounds{reused}, {} MB on the device{wrote}",
                 rendered.cache.records,
                 rendered.cache.rounds,
-                rendered.memory.peak >> 20,
-                args.output.display()
+                rendered.memory.peak >> 20
             );
             if let Some(bounced) = &rendered.bounced {
                 say!("{}", in_words(bounced));
@@ -253,6 +263,8 @@ impl Report {
                 "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});
             stats.extra.insert("work".into(), work);
         }
+        stats.extra.insert("unfinished".into(), json!(rendered.cache.unfinished));
+        stats.extra.insert("reused".into(), json!(rendered.cache.reused));
         stats.extra.extend(self.extra.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
         stats.validation_messages = u64::from(messages);
         stats.set_times(profile);
