@@ -148,8 +148,10 @@ pub struct RenderArgs {
     pub(super) seed: u32,
     #[command(flatten)]
     pub(super) cache: CacheArgs,
-    /// Place no more records after so many seconds of the run: the picture is complete, of the records that there are, and gets better
-    /// with more time. Of a sequence no more frames are begun (--resume goes on)
+    /// Place no more records after so many seconds of the run
+    ///
+    /// The picture is complete, of the records that there are, and gets better with more time. Of a sequence no more frames are begun
+    /// (--resume goes on).
     #[arg(long, value_name = "S", value_parser = parse_seconds, help_heading = "Irradiance cache")]
     pub(super) time_limit: Option<f64>,
     /// Build and run every pass, needed or not (to check that leaving passes out changes no pixel)
