@@ -2,11 +2,11 @@
 //!
 //! Sparse places on the surface, one for some hundred cells, capture a hemicube each, which is kept as the numbers of the cells
 //! that its texels see. Irradiance by one reflection is a sum over these; that by every further one a sparse product
-//! ([`system`]). Patches of cells get theirs by interpolation between places ([`interpolate`]) and reflect it on top of their direct light,
+//! ([`system`]). Patches of cells get theirs by interpolation between places (`interpolate`) and reflect it on top of their direct light,
 //! for whatever looks at the lit surface next.
 //!
 //! Captures of cells with light, one for each place and bounce, would take as long as the first ones every time; a product
-//! takes a few milliseconds. The memory for it is [`SEEN_BYTES`] at most: in scenes that need more places, these lie further apart.
+//! takes a few milliseconds. The memory for it is 512 MB at most: in scenes that need more places, these lie further apart.
 
 mod choose;
 mod course;
