@@ -26,6 +26,7 @@
 //! | [`vk`] | Vulkan made plain; every `unsafe` of the renderer | nothing |
 //! | [`passes`] | one file a GPU pass, its shaders in `glsl/<same name>/` | `vk`, `scene`, `math` |
 //! | [`methods`] | techniques: passes composed | `passes` |
+//! | [`bake`] | light at vertices, scenes written as GLB | `methods`, `scene` |
 //! | [`renderer`] | the plan, a scene that stays on the device, views of it | `methods` |
 //! | [`report`] | profile, statistics, trace, progress | `image` |
 //! | [`guide`] | how a frame is computed, limits, measurements with their commands | nothing |
@@ -57,6 +58,7 @@
 // What a library prints may go unread: what it has to say it returns.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod bake;
 pub mod guide;
 pub mod image;
 pub mod math;

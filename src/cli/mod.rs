@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost; 130
 //! stopped by a signal.
 
+mod bake;
 mod choices;
 mod common;
 mod compare;
@@ -31,6 +32,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Bake(bake::BakeArgs),
     Compare(compare::CompareArgs),
     Completions(completions::CompletionsArgs),
     Convergence(Box<convergence::ConvergenceArgs>),
@@ -58,6 +60,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
     stop::handle_signals();
     let code = match cli.command {
         Command::Render(args) => render::run(&args),
+        Command::Bake(args) => bake::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Completions(args) => completions::run(&args, &mut command()),
         Command::Convergence(args) => convergence::run(&args),

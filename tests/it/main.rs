@@ -9,6 +9,7 @@
 
 mod analytic;
 mod bad_scenes;
+mod bakes;
 mod bounces;
 mod capabilities;
 mod captures;
