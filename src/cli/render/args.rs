@@ -138,7 +138,7 @@ pub struct RenderArgs {
     pub(super) cache: CacheArgs,
     /// Place no more records after so many seconds of the run: the picture is complete, of the records that there are, and gets better
     /// with more time. Of a sequence no more frames are begun (--resume goes on)
-    #[arg(long, value_name = "S", value_parser = parse_seconds, help_heading = "Irradiance cache")]
+    #[arg(long, value_name = "S", value_parser = parse_seconds, help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) time_limit: Option<f64>,
     /// Build and run every pass, needed or not (to check that leaving passes out changes no pixel)
     #[arg(long, hide_short_help = true, help_heading = "Device")]
