@@ -23,6 +23,7 @@ use crate::methods::captures::NoSlices;
 use crate::methods::irradiance_cache::{CacheSettings, CacheStats};
 use crate::methods::light_samples::TooManyLights;
 use crate::methods::records::{Records, Stored};
+use crate::methods::surface_cache::Bounced;
 use crate::scene::{Camera, Scene};
 use crate::vk::pass::{PassTime, Recorder};
 use crate::vk::{Device, Error as VulkanError, MemoryUse, Span};
@@ -64,6 +65,8 @@ pub struct Rendered {
     pub plan: Plan,
     /// What went otherwise than planned, since the scene was opened, a line each, for the user.
     pub warnings: Vec<String>,
+    /// What was done for light beyond the first bounce; none where none was asked for.
+    pub bounced: Option<Bounced>,
     /// What the cache did.
     pub cache: CacheStats,
     /// Every pass that ran, in order.
@@ -244,6 +247,10 @@ impl<'a> Renderer<'a> {
         let eyes = camera::View::new(&self.scene, camera, [settings.width, settings.height]);
         view.draw(&mut recorder, &ground, &eyes)?;
         self.surface.light(&mut recorder, &self.scene, &view.pixel_lights, on_progress)?;
+        let on = (&self.device, &mut recorder);
+        if let Some(warning) = self.surface.bounce(on, &self.scene, &self.plan, &settings, on_progress)? {
+            self.warnings.push(warning);
+        }
         let cache = loop {
             let ground = self.surface.ground(&self.scene);
             let before = self.records.as_ref().map_or(0, Records::count);
@@ -266,6 +273,7 @@ impl<'a> Renderer<'a> {
             picture,
             plan: self.plan.clone(),
             warnings: self.warnings.clone(),
+            bounced: self.surface.bounced.clone(),
             cache,
             passes: recorder.passes,
             submissions: recorder.submissions,

@@ -1,6 +1,7 @@
 //! `hemicube render`: an image with indirect light, or a sequence of them.
 
 mod args;
+mod bounces;
 mod cache;
 mod choices;
 mod path;

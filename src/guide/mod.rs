@@ -3,6 +3,9 @@
 #[doc = include_str!("method.md")]
 pub mod method {}
 
+#[doc = include_str!("bounces.md")]
+pub mod bounces {}
+
 #[doc = include_str!("sequences.md")]
 pub mod sequences {}
 

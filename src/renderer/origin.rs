@@ -3,6 +3,7 @@
 use super::Settings;
 use crate::methods::light_set::LightSettings;
 use crate::methods::records::file::Origin;
+use crate::methods::surface_cache::ALL_BOUNCES;
 use crate::scene::Scene;
 
 impl Origin {
@@ -20,11 +21,25 @@ impl Origin {
 
 /// By their flags, where they have one. Whether whole workgroups share a view is left out: the device decides, and captures are the same.
 fn settings_of(settings: &Settings) -> Vec<(&'static str, String)> {
-    let Settings { bounces, cache, lights, surface_cells, tessellation, full_plan, .. } = settings;
+    let Settings {
+        bounces,
+        bounce_tolerance,
+        bounce_solver,
+        places,
+        cache,
+        lights,
+        surface_cells,
+        tessellation,
+        full_plan,
+        ..
+    } = settings;
     let LightSettings { area_samples, sky_samples, shadow_size } = lights;
     let or_default = |value: Option<String>| value.unwrap_or_else(|| "by default".into());
     vec![
-        ("--bounces", bounces.to_string()),
+        ("--bounces", if *bounces == ALL_BOUNCES { "all".into() } else { bounces.to_string() }),
+        ("--bounce-tolerance", bounce_tolerance.to_string()),
+        ("--bounce-solver", format!("{bounce_solver:?}").to_lowercase()),
+        ("--places", or_default(places.map(|count| count.to_string()))),
         ("--light-samples", area_samples.to_string()),
         ("samples of the sky", sky_samples.to_string()),
         ("texels of shadow maps", shadow_size.to_string()),

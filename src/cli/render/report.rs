@@ -2,10 +2,12 @@
 //! `--stats` and `--trace`.
 
 use super::args::RenderArgs;
+use super::bounces::{in_numbers, in_words};
 use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
 use hemicube::methods::rates::Rates;
+use hemicube::methods::surface_cache::ALL_BOUNCES;
 use hemicube::renderer::{Part, Plan, Rendered, Settings};
 use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
@@ -86,7 +88,7 @@ impl Report {
             ("lens", format!("{:?}", camera.lens)),
             ("size", format!("{}x{}", settings.width, settings.height)),
             ("device", self.device.physical.name.clone()),
-            ("bounces", settings.bounces.to_string()),
+            ("bounces", if settings.bounces == ALL_BOUNCES { "all".into() } else { settings.bounces.to_string() }),
             ("seed", cache.seed.to_string()),
             ("cache", format!("{cache:?}")),
             ("lights", format!("{:?}", settings.lights)),
@@ -189,6 +191,9 @@ impl Report {
                 rendered.cache.rounds,
                 rendered.memory.peak >> 20
             );
+            if let Some(bounced) = &rendered.bounced {
+                say!("{}", in_words(bounced));
+            }
             if let Some(work) = rendered.cache.work {
                 let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
                 say!(
@@ -249,6 +254,9 @@ impl Report {
         };
         if !rendered.warnings.is_empty() {
             stats.extra.insert("warnings".into(), json!(rendered.warnings));
+        }
+        if let Some(bounced) = &rendered.bounced {
+            stats.extra.insert("bounces".into(), in_numbers(bounced));
         }
         if let Some(work) = rendered.cache.work {
             let work = json!({"triangle_views": work.triangle_views, "texels": work.texels,
