@@ -1,16 +1,11 @@
-//! Cascades of parallel shadow views: what is small and lies together in a far larger scene has views of its own, as fine there as
-//! if nothing else were (cascaded shadow maps, Dimitrov 2007).
+//! Cascades of parallel shadow views: the core of a far larger scene has views of its own, as fine there as if nothing else were (cascaded shadow maps, Dimitrov 2007).
 
 use super::light_set::{Extent, LightSet, parallel_frame, parallel_sample, with};
-use crate::scene::Scene;
+use crate::math::core::Core;
 use crate::vk::gpu_types::{Frame, LightSample};
 use glam::Vec3;
 
-/// A triangle is detail if it reaches less far from its middle than this share of the scene's radius.
-const DETAIL: f32 = 1.0 / 64.0;
-/// Detail that fills more of the scene than this share of its radius has no views of its own.
-const APART: f32 = 1.0 / 8.0;
-/// Radius of the innermost view, in radii of the detail.
+/// Radius of the innermost view, in radii of the core.
 const MARGIN: f32 = 2.0;
 /// Radius of each further view, in radii of the one within.
 const STEP: f32 = 8.0;
@@ -25,23 +20,12 @@ pub struct Cascades {
 }
 
 impl Cascades {
-    /// Of `scene`: none but the whole, unless all of its detail lies together.
-    pub fn of(scene: &Scene, extent: Extent) -> Self {
-        let corners = |t: &[u32; 3]| t.map(|v| scene.positions[v as usize]);
-        let is_detail = |t: &[Vec3; 3]| {
-            let middle = t.iter().sum::<Vec3>() / 3.0;
-            t.iter().all(|corner| corner.distance(middle) < DETAIL * extent.radius)
-        };
-        let detail = scene.triangles.iter().map(corners).filter(is_detail).flatten();
-        let grown = |(low, high): (Vec3, Vec3), p: Vec3| (low.min(p), high.max(p));
-        let (low, high) = detail.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), grown);
-        let (centre, radius) = ((low + high) * 0.5, 0.5 * (high - low).length());
-        let mut cascades = Self { centre, radii: Vec::new(), extent };
-        if radius > 0.0 && radius < APART * extent.radius {
-            let radii = std::iter::successors(Some(MARGIN * radius), |r| Some(STEP * r));
-            cascades.radii.extend(radii.take_while(|r| *r < 0.5 * extent.radius));
-        }
-        cascades
+    /// Of a scene: none but the whole, unless it has a core.
+    pub fn of(extent: Extent) -> Self {
+        let Core { centre, radius, is_apart } = extent.core;
+        let first = is_apart.then_some(MARGIN * radius);
+        let radii = std::iter::successors(first, |r| Some(STEP * r)).take_while(|r| *r < 0.5 * extent.radius).collect();
+        Self { centre, radii, extent }
     }
 
     /// Adds light of irradiance `irradiance` that goes along `direction`: a sample for each cascade.
@@ -93,7 +77,7 @@ mod tests {
         b.cuboid(grey, Vec3::new(3.0, 0.0, -1.0), Vec3::new(5.0, 2.0, 1.0), Facing::Out);
         let scene = b.build();
         let (low, high) = scene.bounds();
-        Cascades::of(&scene, Extent { bounds: [low, high], radius: 0.5 * (high - low).length() })
+        Cascades::of(Extent { bounds: [low, high], radius: 0.5 * (high - low).length(), core: scene.core() })
     }
 
     /// Each point of the scene belongs to one cascade; a scene that is no larger than its detail has one.

@@ -1,7 +1,7 @@
 //! Emissive triangles as samples: where their shadows are looked from, and which samples belong to which triangle.
 
 use super::far_view::Receivers;
-use super::light_set::{Extent, Face, LightSet, NEAR, frame, with};
+use super::light_set::{Extent, Face, LightSet, frame, with};
 use crate::math::sequence::triangle_point;
 use crate::scene::emission::piece_corners;
 use crate::scene::{Emitter, Scene};
@@ -166,7 +166,7 @@ impl Placing<'_> {
     fn add(&self, side: &Side, at: Vec2, radiance: Vec3, area: f32, set: &mut LightSet) {
         let point = self.scene.surface(side.emitter.triangle, at);
         let normal = if side.back { -point.geometric_normal } else { point.geometric_normal };
-        let near = self.extent.radius * NEAR;
+        let near = self.extent.near(point.position);
         let origin = point.position + normal * near;
         let mut view =
             if side.far { self.receivers.view(origin, near) } else { frame(origin, normal, near, set.guard()) };

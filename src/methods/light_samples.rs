@@ -7,7 +7,7 @@
 use super::cascades::Cascades;
 use super::emitter_samples::{EmitterSets, add_emitters};
 use super::far_view::Receivers;
-use super::light_set::{Extent, LightSet, LightSettings, NEAR, frame, with};
+use super::light_set::{Extent, LightSet, LightSettings, frame, with};
 use super::sky::{SKY_SHADOW_SIZE, add_sky, add_suns, sky_stride};
 use crate::passes::shadow::LightKind::{Area, Directional, Point, Spot};
 use crate::passes::views::Views::{Cube, Hemicube, Orthographic, Plane};
@@ -50,7 +50,7 @@ pub fn light_sets(
     let spot = size(2048, count(|l| matches!(l, Light::Spot { .. })));
     let area = settings.shadow_size;
     let receivers = Receivers::of(scene, extent);
-    let cascades = Cascades::of(scene, extent);
+    let cascades = Cascades::of(extent);
     let mut sets = Sets {
         directional: LightSet::empty("directional lights", Directional, Orthographic, directional),
         point: LightSet::empty("point lights", Point, Cube, point),
@@ -107,7 +107,6 @@ fn shrink(largest: u32, lights: usize) -> u32 {
 }
 
 fn add_punctual(light: &Light, extent: Extent, (receivers, cascades): (&Receivers, &Cascades), sets: &mut Sets) {
-    let near = extent.radius * NEAR;
     match *light {
         Light::Directional { direction, irradiance } => {
             if irradiance != Vec3::ZERO {
@@ -120,10 +119,10 @@ fn add_punctual(light: &Light, extent: Extent, (receivers, cascades): (&Receiver
             if receivers.is_parallel(position) {
                 sets.farthest_point.push(receivers.parallel_view(position, extent), sample);
             } else if receivers.is_far(position) {
-                sets.far_point.push(receivers.view(position, near), sample);
+                sets.far_point.push(receivers.view(position, extent.near(position)), sample);
             } else {
                 let scale = sets.point.guard();
-                sets.point.push(frame(position, Vec3::Z, near, scale), sample);
+                sets.point.push(frame(position, Vec3::Z, extent.near(position), scale), sample);
             }
         }
         Light::Spot { position, direction, intensity, cos_inner, cos_outer } => {
@@ -137,13 +136,13 @@ fn add_punctual(light: &Light, extent: Extent, (receivers, cascades): (&Receiver
             if receivers.is_parallel(position) {
                 sets.farthest_spot.push(receivers.parallel_view(position, extent), sample);
             } else if receivers.is_far(position) && receivers.tangent(position) < tangent {
-                sets.spot.push(receivers.view(position, near), sample);
+                sets.spot.push(receivers.view(position, extent.near(position)), sample);
             } else if cos_outer < WIDE {
                 let scale = sets.wide_spot.guard();
-                sets.wide_spot.push(frame(position, direction, near, scale), sample);
+                sets.wide_spot.push(frame(position, direction, extent.near(position), scale), sample);
             } else {
                 let scale = 1.0 / (tangent * 1.02).max(1e-6);
-                sets.spot.push(frame(position, direction, near, scale), sample);
+                sets.spot.push(frame(position, direction, extent.near(position), scale), sample);
             }
         }
     }

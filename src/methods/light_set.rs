@@ -1,5 +1,7 @@
 //! Sets of light samples that are drawn alike, and the frames that their shadows are looked at from.
 
+use crate::math::core::Core;
+use crate::passes::geometry::Geometry;
 use crate::passes::shadow::LightKind;
 use crate::passes::views::Views;
 use crate::vk::gpu_types::{EmitterFace, Frame, LightSample};
@@ -101,10 +103,24 @@ pub struct Extent {
     pub bounds: [Vec3; 2],
     /// Half its diagonal.
     pub radius: f32,
+    /// What of it lies together.
+    pub core: Core,
 }
 
-/// Relative to the scene's size: nearer than this nothing casts a shadow.
-pub(super) const NEAR: f32 = 1.0 / 65536.0;
+impl Extent {
+    /// That of a surface.
+    pub fn of(geometry: &Geometry) -> Self {
+        Self { bounds: geometry.bounds, radius: geometry.radius, core: geometry.core }
+    }
+
+    /// Near distance of a light at `place`: nearer nothing casts a shadow.
+    pub(super) fn near(&self, place: Vec3) -> f32 {
+        NEAR * self.core.scale_at(place)
+    }
+}
+
+/// Near distance of lights relative to the size of what is near them.
+const NEAR: f32 = 1.0 / 65536.0;
 
 pub(super) fn parallel_sample(direction: Vec3, irradiance: Vec3) -> LightSample {
     LightSample { direction: with(direction, 0.0), power: with(irradiance, 0.0), ..Default::default() }
