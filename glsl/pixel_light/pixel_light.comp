@@ -37,6 +37,7 @@ struct Receiver { vec3 position; vec3 normal; vec3 geometric; };
 struct Unshadowed { vec3 irradiance; float unit; };
 
 Unshadowed sample_light(uint l, Receiver at) {
+    if (!is_in_shell(lights[l], at.position, push.core.xyz)) return Unshadowed(vec3(0.0), 0.0);
     // Power is radiance times area, and the area π times the disc's radius squared.
     float area = HAS_FACES != 0 ? PI * lights[l].position.w : 1.0;
     Arriving light = HAS_FACES != 0 ? light_from_disc(lights[l], at.position, vec3(area))

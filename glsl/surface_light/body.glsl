@@ -116,7 +116,7 @@ Sample sample_at(uint index, Corners t, uint r, uint cell, uint first, uint n) {
     float lift = lift_at(p, push.core, push.lift);
     s.lifted = p + t.geometric * (s.side >= 0.0 ? lift : -lift);
     s.direction = light.direction;
-    s.irradiance = light.irradiance;
+    s.irradiance = is_in_shell(lights[s.light], p, push.core.xyz) ? light.irradiance : vec3(0.0);
     return s;
 }
 

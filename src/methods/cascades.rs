@@ -1,12 +1,11 @@
 //! Cascades of parallel shadow views: the core of a far larger scene has views of its own, as fine there as if nothing else were (cascaded shadow maps, Dimitrov 2007).
 
-use super::light_set::{Extent, LightSet, parallel_frame, parallel_sample, with};
+use super::far_view::MARGIN;
+use super::light_set::{Extent, LightSet, parallel_frame, parallel_sample, parallel_view};
 use crate::math::core::Core;
-use crate::vk::gpu_types::{Frame, LightSample};
+use crate::vk::gpu_types::LightSample;
 use glam::Vec3;
 
-/// Radius of the innermost view, in radii of the core.
-const MARGIN: f32 = 2.0;
 /// Radius of each further view, in radii of the one within.
 const STEP: f32 = 8.0;
 
@@ -32,11 +31,14 @@ impl Cascades {
     pub fn push(&self, direction: Vec3, irradiance: Vec3, set: &mut LightSet) {
         let mut inner = 0.0;
         for outer in self.radii.iter().copied() {
-            set.push(self.view(direction, outer), self.sample(direction, irradiance, [inner, outer]));
+            set.push(
+                parallel_view(direction, self.extent, self.centre, outer),
+                Self::sample(direction, irradiance, [inner, outer]),
+            );
             inner = outer;
         }
         let whole = parallel_frame(direction, self.extent);
-        set.push(whole, self.sample(direction, irradiance, [inner, 0.0]));
+        set.push(whole, Self::sample(direction, irradiance, [inner, 0.0]));
     }
 
     /// Samples that each light has.
@@ -44,23 +46,8 @@ impl Cascades {
         self.radii.len() as u32 + 1
     }
 
-    fn sample(&self, direction: Vec3, irradiance: Vec3, [inner, outer]: [f32; 2]) -> LightSample {
-        let sample = parallel_sample(direction, irradiance);
-        if inner == 0.0 && outer == 0.0 {
-            return sample;
-        }
-        LightSample { position: with(self.centre, outer), direction: with(direction, inner), ..sample }
-    }
-
-    /// A view of the ball of radius `outer`, deep enough for all that stands before it.
-    fn view(&self, direction: Vec3, outer: f32) -> Frame {
-        let view = parallel_frame(direction, self.extent);
-        let origin = Vec3::from_slice(&view.origin[..3]);
-        let to_centre = self.centre - origin;
-        let aside = to_centre - direction * direction.dot(to_centre);
-        let scale = 1.0 / (1.02 * outer);
-        let [tangent, bitangent] = [view.tangent, view.bitangent].map(|[x, y, z, _]| [x, y, z, scale]);
-        Frame { origin: with(origin + aside, 0.0), tangent, bitangent, ..view }
+    fn sample(direction: Vec3, irradiance: Vec3, [inner, outer]: [f32; 2]) -> LightSample {
+        LightSample { shell: [inner, outer, 0.0, 0.0], ..parallel_sample(direction, irradiance) }
     }
 }
 
@@ -88,7 +75,7 @@ mod tests {
         let mut set = LightSet::empty("sun", LightKind::Directional, Views::Orthographic, 64);
         all.push(Vec3::NEG_Y, Vec3::ONE, &mut set);
         assert_eq!((set.samples.len() as u32, all.count()), (5, 5));
-        let shells: Vec<_> = set.samples.iter().map(|s| (s.direction[3], s.position[3])).collect();
+        let shells: Vec<_> = set.samples.iter().map(|s| (s.shell[0], s.shell[1])).collect();
         assert!(shells.windows(2).all(|pair| pair[0].1 == pair[1].0 && pair[0].1 > pair[0].0), "{shells:?}");
         assert_eq!((shells[0].0, shells[4].1), (0.0, 0.0));
         assert!((Vec3::from_slice(&set.samples[0].position[..3]) - Vec3::new(4.0, 1.0, 0.0)).length() < 1e-3);
