@@ -1,7 +1,13 @@
-//! The guide: how a frame is computed, its limits, and measurements with their commands.
+//! The guide: how a frame is computed, sequences and files of records, limits, and measurements with their commands.
 
 #[doc = include_str!("method.md")]
 pub mod method {}
+
+#[doc = include_str!("bounces.md")]
+pub mod bounces {}
+
+#[doc = include_str!("sequences.md")]
+pub mod sequences {}
 
 #[doc = include_str!("measurements.md")]
 pub mod measurements {}

@@ -130,7 +130,7 @@ mod tests {
             let (rows, columns) = (64, 128);
             let at = |row: i32, column: i32| {
                 let (high, around) = (row as f32 / rows as f32, column as f32 / columns as f32);
-                let ((s, c), (sa, ca)) = ((high * 3.1).sin_cos(), (around * 6.28).sin_cos());
+                let ((s, c), (sa, ca)) = ((high * 3.1).sin_cos(), (around * std::f32::consts::TAU).sin_cos());
                 radius * vec3(s * ca, c, s * sa)
             };
             let of = |i: i32| [at(i / columns, i), at(i / columns + 1, i), at(i / columns, i + 1)];

@@ -19,6 +19,7 @@ pub mod load;
 pub mod opacity;
 mod sample;
 mod tessellate;
+mod whiten;
 
 pub use camera::{LARGEST_SIDE, frame, image_size};
 pub use cornell::cornell;
@@ -60,8 +61,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Decoded textures, named by [`TextureRef::texture`].
     pub textures: Vec<Texture>,
-    /// The core of the surface before it was cut ([`Scene::tessellated`]).
-    pub(crate) core_of_whole: Option<Core>,
+    /// The core of the surface before it was cut ([`Scene::tessellated`]); none where it was not.
+    pub core_of_whole: Option<Core>,
     /// Punctual lights.
     pub lights: Vec<Light>,
     /// Cameras; empty where the file has none.

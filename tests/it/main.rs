@@ -9,6 +9,7 @@
 
 mod analytic;
 mod bad_scenes;
+mod bounces;
 mod capabilities;
 mod captures;
 mod cells;
@@ -36,6 +37,7 @@ mod references;
 mod scenes;
 mod shadows;
 mod slices;
+mod solvers;
 mod stability;
 mod validation;
 mod views;

@@ -25,7 +25,8 @@ impl Energy {
 
     /// Whether they differ by more than a share of the light and three standard errors.
     pub fn is_off_by(&self, share: f64) -> bool {
-        !((self.is - self.should).abs() <= share * self.should + 3.0 * self.error)
+        let off = (self.is - self.should).abs();
+        off.is_nan() || off > share * self.should + 3.0 * self.error
     }
 
     /// Whether the path tracer knows the light to a share of it.
