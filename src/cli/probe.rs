@@ -10,6 +10,7 @@ use hemicube::math::sh;
 use hemicube::methods::captures::CaptureMode;
 use hemicube::methods::probes::ProbeError;
 use hemicube::methods::sphere_probes::{SphereProbeSettings, SphereProbes};
+use hemicube::methods::gather::Gathering;
 use hemicube::passes::project::Projected;
 use hemicube::renderer::Settings;
 use hemicube::report::progress::Progress;
@@ -82,7 +83,7 @@ pub fn run(args: &ProbeArgs) -> Result<ExitCode> {
     let device = args.device.open()?;
     let found = measure(&device, &scene, args, &places)?;
     let count = sh::count(args.order);
-    let result = json!({"points": found.iter().map(|probe| described(probe, count)).collect::<Vec<_>>()});
+    let result = json!({"points": found.iter().map(|probe| described(&probe.projected, count)).collect::<Vec<_>>()});
     write_atomic(&args.output, |sink| writeln!(sink, "{result}"))?;
     if !args.talk.quiet {
         let (name, seconds) = (&scene.name, begun.elapsed().as_secs_f64());
@@ -146,12 +147,13 @@ fn within(scene: &Scene, points: &[DVec3]) -> Result<Vec<Vec3>> {
 }
 
 /// Measures by the way that the device is faster by; where its driver ends the loops of captures in compute, by render passes.
-fn measure(device: &Arc<Device>, scene: &Scene, args: &ProbeArgs, places: &[Vec3]) -> Result<Vec<Projected>> {
+fn measure(device: &Arc<Device>, scene: &Scene, args: &ProbeArgs, places: &[Vec3]) -> Result<Vec<Gathering>> {
     let settings = SphereProbeSettings {
         order: args.order.max(ORDER_OF_IRRADIANCE),
         capture_size: args.capture_size,
         capture: CaptureMode::Auto,
         gradients: false,
+        distances: false,
         lights: Settings::default().lights,
         surface_cells: SphereProbeSettings::usual_cells(scene),
     };

@@ -8,6 +8,7 @@ pub mod form_factor;
 pub mod hsh;
 pub mod levels;
 pub mod merge;
+pub mod octahedron;
 pub mod outline;
 pub mod quadrature;
 pub mod sampling;

@@ -4,7 +4,7 @@
 //! crate's captures: it is direct light, which renderers add by themselves.
 
 use super::captures::{CaptureMode, NEAR};
-use super::gather::{Gather, GatherDesc};
+use super::gather::{Gather, GatherDesc, Gathering};
 use super::light_set::LightSettings;
 use super::probes::{Result, light_surfaces};
 use super::{Ground, Sky};
@@ -13,13 +13,15 @@ use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::cluster_tree::{Detail, TreeSize};
 use crate::passes::geometry::{CellBudget, Geometry};
 use crate::passes::material::Textures;
-use crate::passes::project::Projected;
 use crate::scene::Scene;
 use crate::vk::Device;
 use crate::vk::gpu_types::Frame;
 use crate::vk::pass::Recorder;
 use glam::Vec3;
 use std::sync::Arc;
+
+/// The farthest distance that counts, of the radius of the scene's bounding sphere: all of the scene from any point of it.
+const FARTHEST: f32 = 2.0;
 
 /// How points look at the scene and how the scene is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +35,8 @@ pub struct SphereProbeSettings {
     pub capture: CaptureMode,
     /// Whether gradients are computed.
     pub gradients: bool,
+    /// Whether distances are kept by direction.
+    pub distances: bool,
     /// Direct light on the surfaces.
     pub lights: LightSettings,
     /// Cells that the surfaces are cut into, about; each triangle has at least one.
@@ -80,6 +84,7 @@ impl<'a> SphereProbes<'a> {
             size: settings.capture_size,
             gradients: settings.gradients,
             in_compute,
+            distances: settings.distances.then_some(FARTHEST * geometry.radius),
         };
         let gather = Gather::new(device, &ground, sky.as_ref().map(Sky::captured), desc)?;
         Ok(Self { scene, geometry, textures, gather, _sky: sky })
@@ -95,7 +100,7 @@ impl<'a> SphereProbes<'a> {
         recorder: &mut Recorder,
         points: &[Vec3],
         mut done: impl FnMut(usize),
-    ) -> Result<Vec<Projected>> {
+    ) -> Result<Vec<Gathering>> {
         let ground = Ground { scene: self.scene, geometry: &self.geometry, textures: self.textures.as_ref() };
         let mut measured = Vec::with_capacity(points.len());
         for batch in points.chunks(self.gather.capacity()) {

@@ -9,6 +9,7 @@ pub mod clamp_records;
 pub mod cluster_tree;
 pub mod counter;
 pub mod cull;
+pub mod distances;
 pub mod find_uncovered;
 pub mod gathered;
 pub mod gbuffer;

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
 
 mod closed_forms;
+mod distances;
 #[path = "../common/mod.rs"]
 mod common;
 mod fallbacks;
