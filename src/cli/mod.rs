@@ -2,6 +2,7 @@
 //!
 //! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost.
 
+mod bake;
 mod choices;
 mod common;
 mod compare;
@@ -27,6 +28,7 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Bake(bake::BakeArgs),
     Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
     Convergence(Box<convergence::ConvergenceArgs>),
@@ -48,6 +50,7 @@ pub fn parse() -> Cli {
 /// Runs the chosen subcommand.
 pub fn run(cli: Cli) -> Result<ExitCode> {
     let code = match cli.command {
+        Command::Bake(args) => bake::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Convergence(args) => convergence::run(&args),

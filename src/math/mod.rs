@@ -4,6 +4,7 @@ pub mod adjacency;
 pub mod capture;
 pub mod cells;
 pub mod density;
+pub mod deringing;
 pub mod form_factor;
 pub mod hsh;
 pub mod levels;

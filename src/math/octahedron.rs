@@ -20,6 +20,14 @@ pub fn cell(d: DVec3) -> usize {
     at.y as usize * SIDE + at.x as usize
 }
 
+/// Unit direction of a cell's middle.
+pub fn middle(cell: usize) -> DVec3 {
+    let at = (dvec2((cell % SIDE) as f64, (cell / SIDE) as f64) + 0.5) * (2.0 / SIDE as f64) - 1.0;
+    let z = 1.0 - at.x.abs() - at.y.abs();
+    let p = if z < 0.0 { (1.0 - exchanged(at).abs()) * signs(at) } else { at };
+    p.extend(z).normalize()
+}
+
 /// The four cells around a direction and their weights, which are continuous in the direction and sum to 1.
 pub fn around(d: DVec3) -> [(usize, f64); 4] {
     let at = (encode(d) + 1.0) * (0.5 * SIDE as f64) - 0.5;
@@ -61,6 +69,11 @@ mod tests {
 
     fn value(cells: &[f64], d: DVec3) -> f64 {
         around(d).iter().map(|(cell, weight)| weight * cells[*cell]).sum()
+    }
+
+    #[test]
+    fn middles_lie_in_their_cells() {
+        assert!((0..CELLS).all(|i| cell(middle(i)) == i));
     }
 
     #[test]

@@ -17,6 +17,7 @@ pub mod probes;
 pub mod rates;
 mod sky;
 pub mod sphere_probes;
+pub mod volume;
 pub mod work;
 
 pub use sky::{Sky, has_suns, sky_bytes};

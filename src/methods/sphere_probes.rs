@@ -6,7 +6,7 @@
 use super::captures::{CaptureMode, NEAR};
 use super::gather::{Gather, GatherDesc, Gathering};
 use super::light_set::LightSettings;
-use super::probes::{Result, light_surfaces};
+use super::probes::{ProbeError, Result, light_surfaces};
 use super::{Ground, Sky};
 use crate::math::capture::{Basis, Projection};
 use crate::passes::capture_compute::CaptureCompute;
@@ -14,9 +14,9 @@ use crate::passes::cluster_tree::{Detail, TreeSize};
 use crate::passes::geometry::{CellBudget, Geometry};
 use crate::passes::material::Textures;
 use crate::scene::Scene;
-use crate::vk::Device;
 use crate::vk::gpu_types::Frame;
 use crate::vk::pass::Recorder;
+use crate::vk::{Device, Error as VulkanError};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -109,6 +109,51 @@ impl<'a> SphereProbes<'a> {
             done(batch.len());
         }
         Ok(measured)
+    }
+}
+
+/// [`SphereProbes`] that go on by render passes where the device's driver ends the loops of captures in compute, unless compute
+/// was asked for.
+pub struct SteadyProbes<'a> {
+    device: Arc<Device>,
+    scene: &'a Scene,
+    settings: SphereProbeSettings,
+    probes: SphereProbes<'a>,
+}
+
+impl<'a> SteadyProbes<'a> {
+    /// As [`SphereProbes::new`].
+    ///
+    /// # Errors
+    /// The device's, or too many lights.
+    pub fn new(
+        device: &Arc<Device>,
+        recorder: &mut Recorder,
+        scene: &'a Scene,
+        settings: &SphereProbeSettings,
+    ) -> Result<Self> {
+        let probes = SphereProbes::new(device, recorder, scene, settings)?;
+        Ok(Self { device: device.clone(), scene, settings: *settings, probes })
+    }
+
+    /// As [`SphereProbes::measure`]. `done` hears of some points twice where captures begin again.
+    ///
+    /// # Errors
+    /// The device's.
+    pub fn measure(
+        &mut self,
+        recorder: &mut Recorder,
+        points: &[Vec3],
+        done: &mut dyn FnMut(usize),
+    ) -> Result<Vec<Gathering>> {
+        match self.probes.measure(recorder, points, &mut *done) {
+            Err(ProbeError::Vulkan(VulkanError::LoopsEnded { .. })) if self.settings.capture == CaptureMode::Auto => {
+                self.settings.capture = CaptureMode::Hemicube;
+                self.probes = SphereProbes::new(&self.device, recorder, self.scene, &self.settings)?;
+                self.probes.measure(recorder, points, done)
+            }
+            found => found,
+        }
     }
 }
 

@@ -52,13 +52,7 @@ pub struct DistancesPass {
 impl DistancesPass {
     /// Sums up what up to `capacity` captures of the whole sphere, with the texels of `table`, have `gathered`. Distances longer
     /// than `farthest`, and the sky's, are taken as that.
-    pub fn new(
-        device: &Arc<Device>,
-        gathered: &Gathered,
-        table: &Table,
-        farthest: f32,
-        capacity: u32,
-    ) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, gathered: &Gathered, table: &Table, farthest: f32, capacity: u32) -> Result<Self> {
         let (starts, members) = cells_of(table);
         let name = "capture tables";
         let tables = [Buffer::with_data(device, name, &starts)?, Buffer::with_data(device, name, &members)?];

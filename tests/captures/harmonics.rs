@@ -137,7 +137,15 @@ fn harmonics_are_those_of_the_twin() {
 
 fn settings(capture: CaptureMode, order: u32) -> SphereProbeSettings {
     let lights = Settings::default().lights;
-    SphereProbeSettings { order, capture_size: SIZE, capture, gradients: true, distances: false, lights, surface_cells: 1 << 16 }
+    SphereProbeSettings {
+        order,
+        capture_size: SIZE,
+        capture,
+        gradients: true,
+        distances: false,
+        lights,
+        surface_cells: 1 << 16,
+    }
 }
 
 const WAYS: [CaptureMode; 2] = [CaptureMode::Hemicube, CaptureMode::Compute];

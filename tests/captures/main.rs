@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used)] // the helpers belong to tests, which the lint cannot see
 
 mod closed_forms;
-mod distances;
 #[path = "../common/mod.rs"]
 mod common;
+mod distances;
 mod fallbacks;
 mod harmonics;
 mod masks;

@@ -1,0 +1,173 @@
+//! Reads light between the samples of a volume.
+
+use super::cell::{CubicWeight, Interpolation, cubic, cubic_slopes, trilinear};
+use super::tree::Tree;
+use super::{Sample, Volume, visibility};
+use glam::{DVec3, Vec3};
+
+/// A point outside of the volume.
+#[derive(Clone, Copy, Debug, thiserror::Error)]
+#[error("[{}, {}, {}] lies outside of the volume, which reaches from {low} to {high}", point.x, point.y, point.z)]
+pub struct NotThere {
+    /// The point.
+    pub point: DVec3,
+    /// The volume's lowest corner.
+    pub low: DVec3,
+    /// Its highest corner.
+    pub high: DVec3,
+}
+
+/// How a volume is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReadSettings {
+    /// How values between samples are found.
+    pub interpolation: Interpolation,
+    /// Whether walls hide samples ([`visibility`]).
+    pub guard: bool,
+}
+
+/// Value and derivatives of each coefficient, channel by channel.
+#[derive(Clone, Debug, Default)]
+struct Jet(Vec<[DVec3; 4]>);
+
+/// A volume made ready to be read.
+pub struct Reader<'a> {
+    volume: &'a Volume,
+    /// Cells and points.
+    pub tree: Tree,
+    /// Of points, for the cubic interpolation; none where there are no gradients.
+    jets: Vec<Jet>,
+}
+
+/// The share of a weight that hidden samples may have before the cubic interpolation, which has no weights to lower, gives way.
+const GIVES_WAY: f64 = 1e-3;
+
+impl<'a> Reader<'a> {
+    /// Cuts cells for continuity, and interpolates their corners that are no samples.
+    pub fn new(volume: &'a Volume) -> Self {
+        let tree = Tree::new(volume);
+        let mut jets: Vec<Jet> = Vec::new();
+        if volume.has_gradients() {
+            for point in &tree.points {
+                let jet = match point.within {
+                    None => Jet::of(&volume.samples[point.mix[0].0 as usize]),
+                    Some((t, corners)) => {
+                        let size = volume.lattice.size(point.level);
+                        let sums = |weights| cubic_sum(&jets, &corners, &weights);
+                        let value = sums(cubic(t, size));
+                        let slopes = cubic_slopes(t, size).map(sums);
+                        Jet((0..value.len()).map(|c| [value[c], slopes[0][c], slopes[1][c], slopes[2][c]]).collect())
+                    }
+                };
+                jets.push(jet);
+            }
+        }
+        Self { volume, tree, jets }
+    }
+
+    /// The samples that a place takes part in by trilinear weights, which are above 0 and sum to 1.
+    pub fn weights(&self, point: DVec3) -> Vec<(u32, f64)> {
+        let (node, t, _) = self.tree.find(&self.volume.lattice, point);
+        let mut all: Vec<(u32, f64)> = Vec::with_capacity(8);
+        for (weight, corner) in trilinear(t).into_iter().zip(node.corners).filter(|(weight, _)| *weight > 0.0) {
+            for (sample, share) in &self.tree.points[corner as usize].mix {
+                match all.iter_mut().find(|(known, _)| known == sample) {
+                    Some((_, sum)) => *sum += weight * share,
+                    None => all.push((*sample, weight * share)),
+                }
+            }
+        }
+        all
+    }
+
+    /// The coefficients at a point.
+    ///
+    /// # Errors
+    /// [`NotThere`] outside of the volume.
+    pub fn read(&self, point: DVec3, settings: ReadSettings) -> Result<Vec<DVec3>, NotThere> {
+        let lattice = &self.volume.lattice;
+        if !lattice.contains(point) {
+            return Err(NotThere { point, low: lattice.low, high: lattice.high });
+        }
+        let interpolation = if self.jets.is_empty() && settings.interpolation.wants_gradients() {
+            Interpolation::Trilinear
+        } else {
+            settings.interpolation
+        };
+        let weights = self.weights(point);
+        let seen = |(sample, weight): &(u32, f64)| {
+            (*sample, *weight, visibility::weight(&self.volume.samples[*sample as usize], point, settings.guard))
+        };
+        let weights: Vec<(u32, f64, f64)> = weights.iter().map(seen).collect();
+        if interpolation != Interpolation::Hermite {
+            return Ok(self.blend(point, &weights, interpolation));
+        }
+        // How far each sample is in sight, those of no weight aside.
+        let sight = weights.iter().map(|(_, weight, seen)| seen.max(1.0 - weight / GIVES_WAY)).fold(1.0, f64::min);
+        let cubic = || self.cubic(point);
+        if sight >= 1.0 {
+            return Ok(cubic());
+        }
+        let blended = self.blend(point, &weights, Interpolation::Gradients);
+        Ok(blended.iter().zip(cubic()).map(|(blended, cubic)| blended.lerp(cubic, sight)).collect())
+    }
+
+    /// Σ w·v(x) / Σ w over samples of a trilinear weight and a visibility.
+    fn blend(&self, point: DVec3, weights: &[(u32, f64, f64)], by: Interpolation) -> Vec<DVec3> {
+        let mut sums = vec![DVec3::ZERO; crate::math::sh::count(self.volume.order)];
+        let mut all = 0.0;
+        // Nearer than this to a sample its share does not grow any more: in front of a sample it has all weight already.
+        let nearest = 1e-6 * (self.volume.lattice.high - self.volume.lattice.low).length();
+        for (number, weight, seen) in weights {
+            let sample = &self.volume.samples[*number as usize];
+            let offset = point - sample.position;
+            let mut weight = weight * seen;
+            if by == Interpolation::InverseDistance {
+                weight /= offset.length().max(nearest);
+            }
+            all += weight;
+            for (c, (sum, value)) in sums.iter_mut().zip(&sample.coefficients).enumerate() {
+                let mut value = value.as_dvec3();
+                if by == Interpolation::Gradients {
+                    value += moved(&sample.gradients[c], offset);
+                }
+                *sum += weight * value;
+            }
+        }
+        sums.iter_mut().for_each(|sum| *sum /= all);
+        sums
+    }
+
+    fn cubic(&self, point: DVec3) -> Vec<DVec3> {
+        let lattice = &self.volume.lattice;
+        let (node, t, level) = self.tree.find(lattice, point);
+        cubic_sum(&self.jets, &node.corners, &cubic(t, lattice.size(level)))
+    }
+}
+
+impl Jet {
+    fn of(sample: &Sample) -> Self {
+        let jet = |(value, slopes): (&Vec3, &[Vec3; 3])| {
+            let [x, y, z] = slopes.map(|slope| slope.as_dvec3());
+            [value.as_dvec3(), x, y, z]
+        };
+        Self(sample.coefficients.iter().zip(&sample.gradients).map(jet).collect())
+    }
+}
+
+fn cubic_sum(jets: &[Jet], corners: &[u32; 8], weights: &[CubicWeight; 8]) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; jets[corners[0] as usize].0.len()];
+    for (corner, weight) in corners.iter().zip(weights) {
+        for (sum, [value, x, y, z]) in sums.iter_mut().zip(&jets[*corner as usize].0) {
+            let slope = weight.gradient;
+            *sum += weight.value * *value + slope.x * *x + slope.y * *y + slope.z * *z;
+        }
+    }
+    sums
+}
+
+/// How a coefficient changes over `offset`.
+fn moved(gradients: &[Vec3; 3], offset: DVec3) -> DVec3 {
+    let [x, y, z] = gradients.map(|slope| slope.as_dvec3());
+    offset.x * x + offset.y * y + offset.z * z
+}
