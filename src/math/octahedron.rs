@@ -99,7 +99,7 @@ mod tests {
         }
         let cells: Vec<f64> = sums.iter().map(|(sum, weight)| sum / weight).collect();
         for (d, _) in sphere_rule(7) {
-            assert!((value(&cells, d) - f(d)).abs() < 0.03, "{d}: {} {}", value(&cells, d), f(d));
+            assert!((value(&cells, d) - f(d)).abs() < 0.05, "{d}: {} {}", value(&cells, d), f(d));
         }
     }
 }

@@ -10,6 +10,7 @@
 
 pub mod cell;
 pub mod file;
+mod jets;
 pub mod lattice;
 pub mod memory;
 pub mod place;

@@ -1,8 +1,9 @@
 //! Reads light between the samples of a volume.
 
-use super::cell::{CubicWeight, Interpolation, cubic, cubic_slopes, trilinear};
+use super::cell::{Interpolation, trilinear};
+use super::jets::Jets;
 use super::tree::Tree;
-use super::{Sample, Volume, visibility};
+use super::{Volume, visibility};
 use glam::{DVec3, Vec3};
 
 /// A point outside of the volume.
@@ -26,17 +27,13 @@ pub struct ReadSettings {
     pub guard: bool,
 }
 
-/// Value and derivatives of each coefficient, channel by channel.
-#[derive(Clone, Debug, Default)]
-struct Jet(Vec<[DVec3; 4]>);
-
 /// A volume made ready to be read.
 pub struct Reader<'a> {
     volume: &'a Volume,
     /// Cells and points.
     pub tree: Tree,
-    /// Of points, for the cubic interpolation; none where there are no gradients.
-    jets: Vec<Jet>,
+    /// For the cubic interpolation; none where there are no gradients.
+    jets: Option<Jets>,
 }
 
 /// The share of a weight that hidden samples may have before the cubic interpolation, which has no weights to lower, gives way.
@@ -46,28 +43,14 @@ impl<'a> Reader<'a> {
     /// Cuts cells for continuity, and interpolates their corners that are no samples.
     pub fn new(volume: &'a Volume) -> Self {
         let tree = Tree::new(volume);
-        let mut jets: Vec<Jet> = Vec::new();
-        if volume.has_gradients() {
-            for point in &tree.points {
-                let jet = match point.within {
-                    None => Jet::of(&volume.samples[point.mix[0].0 as usize]),
-                    Some((t, corners)) => {
-                        let size = volume.lattice.size(point.level);
-                        let sums = |weights| cubic_sum(&jets, &corners, &weights);
-                        let value = sums(cubic(t, size));
-                        let slopes = cubic_slopes(t, size).map(sums);
-                        Jet((0..value.len()).map(|c| [value[c], slopes[0][c], slopes[1][c], slopes[2][c]]).collect())
-                    }
-                };
-                jets.push(jet);
-            }
-        }
+        let jets = volume.has_gradients().then(|| Jets::new(volume, &tree));
         Self { volume, tree, jets }
     }
 
     /// The samples that a place takes part in by trilinear weights, which are above 0 and sum to 1.
     pub fn weights(&self, point: DVec3) -> Vec<(u32, f64)> {
         let (node, t, _) = self.tree.find(&self.volume.lattice, point);
+        let node = &self.tree.nodes[node];
         let mut all: Vec<(u32, f64)> = Vec::with_capacity(8);
         for (weight, corner) in trilinear(t).into_iter().zip(node.corners).filter(|(weight, _)| *weight > 0.0) {
             for (sample, share) in &self.tree.points[corner as usize].mix {
@@ -89,7 +72,7 @@ impl<'a> Reader<'a> {
         if !lattice.contains(point) {
             return Err(NotThere { point, low: lattice.low, high: lattice.high });
         }
-        let interpolation = if self.jets.is_empty() && settings.interpolation.wants_gradients() {
+        let interpolation = if self.jets.is_none() && settings.interpolation.wants_gradients() {
             Interpolation::Trilinear
         } else {
             settings.interpolation
@@ -99,12 +82,12 @@ impl<'a> Reader<'a> {
             (*sample, *weight, visibility::weight(&self.volume.samples[*sample as usize], point, settings.guard))
         };
         let weights: Vec<(u32, f64, f64)> = weights.iter().map(seen).collect();
-        if interpolation != Interpolation::Hermite {
+        let Some(jets) = self.jets.as_ref().filter(|_| interpolation == Interpolation::Hermite) else {
             return Ok(self.blend(point, &weights, interpolation));
-        }
+        };
         // How far each sample is in sight, those of no weight aside.
         let sight = weights.iter().map(|(_, weight, seen)| seen.max(1.0 - weight / GIVES_WAY)).fold(1.0, f64::min);
-        let cubic = || self.cubic(point);
+        let cubic = || jets.read(&self.volume.lattice, &self.tree, point);
         if sight >= 1.0 {
             return Ok(cubic());
         }
@@ -137,33 +120,6 @@ impl<'a> Reader<'a> {
         sums.iter_mut().for_each(|sum| *sum /= all);
         sums
     }
-
-    fn cubic(&self, point: DVec3) -> Vec<DVec3> {
-        let lattice = &self.volume.lattice;
-        let (node, t, level) = self.tree.find(lattice, point);
-        cubic_sum(&self.jets, &node.corners, &cubic(t, lattice.size(level)))
-    }
-}
-
-impl Jet {
-    fn of(sample: &Sample) -> Self {
-        let jet = |(value, slopes): (&Vec3, &[Vec3; 3])| {
-            let [x, y, z] = slopes.map(|slope| slope.as_dvec3());
-            [value.as_dvec3(), x, y, z]
-        };
-        Self(sample.coefficients.iter().zip(&sample.gradients).map(jet).collect())
-    }
-}
-
-fn cubic_sum(jets: &[Jet], corners: &[u32; 8], weights: &[CubicWeight; 8]) -> Vec<DVec3> {
-    let mut sums = vec![DVec3::ZERO; jets[corners[0] as usize].0.len()];
-    for (corner, weight) in corners.iter().zip(weights) {
-        for (sum, [value, x, y, z]) in sums.iter_mut().zip(&jets[*corner as usize].0) {
-            let slope = weight.gradient;
-            *sum += weight.value * *value + slope.x * *x + slope.y * *y + slope.z * *z;
-        }
-    }
-    sums
 }
 
 /// How a coefficient changes over `offset`.

@@ -36,8 +36,8 @@ fn measure(places: &[DVec3], f: impl Fn(DVec3) -> (f64, DVec3)) -> Vec<Measured>
 /// Even light and a small bright place.
 fn bump(p: DVec3) -> (f64, DVec3) {
     let offset = p - dvec3(0.4, 0.6, 2.3);
-    let value = 2.0 * (-offset.length_squared() / 0.02).exp();
-    (1.0 + value, -offset / 0.01 * value)
+    let value = 2.0 * (-offset.length_squared() / 0.08).exp();
+    (1.0 + value, -offset / 0.04 * value)
 }
 
 fn linear(p: DVec3) -> (f64, DVec3) {
@@ -45,7 +45,7 @@ fn linear(p: DVec3) -> (f64, DVec3) {
 }
 
 fn cut() -> Adaptive {
-    Adaptive { min_level: 1, max_level: 5, error: 0.02, gradient: 0.02, harmonic: 1.0 }
+    Adaptive { min_level: 1, max_level: 5, error: 0.004, gradient: 0.02, harmonic: 1.0 }
 }
 
 fn of_bump(settings: &Adaptive) -> Volume {
@@ -77,7 +77,7 @@ fn linear_light_comes_back_whatever_the_way() {
             let allowed = match way {
                 Interpolation::InverseDistance => 0.2,
                 Interpolation::Gradients => 1e-6,
-                Interpolation::Trilinear | Interpolation::Hermite => 3e-3,
+                Interpolation::Trilinear | Interpolation::Hermite => 4e-3,
             };
             assert!(error.abs() < allowed, "{way:?} at {point}: {error}");
         }
@@ -132,12 +132,14 @@ fn light_walks_without_popping() {
     let [low, high] = common().bounds;
     let mut at = (low + high) / 2.0;
     let mut levels = [false; 6];
+    let wide = volume.lattice.leaves.iter().find(|leaf| leaf.level == 1).unwrap();
+    let calm = low + (wide.at.as_dvec3() + 0.5) * volume.lattice.size(1);
     for way in ALL {
         let mut before = first(&reader.read(at, by(way)).unwrap());
         for (i, point) in points(100_000).enumerate() {
             // Towards the bright place every now and then, so that all levels are passed.
-            let aim = if i % 4000 < 2000 { dvec3(0.4, 0.6, 2.3) } else { dvec3(-0.8, 0.1, 2.9) };
-            let way_there = (point - (low + high) / 2.0).normalize() + 0.5 * (aim - at).normalize_or_zero();
+            let aim = if i % 10_000 < 5000 { dvec3(0.4, 0.6, 2.3) } else { calm };
+            let way_there = (point - (low + high) / 2.0).normalize() + 0.8 * (aim - at).normalize_or_zero();
             at = (at + 1e-3 * way_there.normalize()).clamp(low, high);
             let now = first(&reader.read(at, by(way)).unwrap());
             assert!((now - before).abs() < 0.05, "{way:?}: {before} to {now} at {at}");
@@ -145,24 +147,30 @@ fn light_walks_without_popping() {
             levels[reader.tree.find(&volume.lattice, at).2 as usize] = true;
         }
     }
-    assert_eq!(levels.iter().filter(|l| **l).count(), 5, "{levels:?}");
+    assert!(levels.iter().filter(|l| **l).count() >= 4, "{levels:?}");
 }
 
 /// An adaptive volume is no worse than a uniform one of the same finest cells, with a third of the samples at most.
 #[test]
 fn octrees_need_a_third_of_the_samples() {
-    let mut look = |places: &[DVec3]| Ok::<_, Infallible>(measure(places, bump));
+    let spot = |p: DVec3| {
+        let offset = p - dvec3(0.4, 0.6, 2.3);
+        let value = 2.0 * (-offset.length_squared() / 0.02).exp();
+        (1.0 + value, -offset / 0.01 * value)
+    };
+    let mut look = |places: &[DVec3]| Ok::<_, Infallible>(measure(places, spot));
     let (fine, _) = uniform(&common(), 17, &mut look).unwrap();
-    let (coarse, report) = adaptive(&common(), &Adaptive { max_level: 4, error: 0.01, ..cut() }, &mut look).unwrap();
+    let settings = Adaptive { min_level: 2, max_level: 4, error: 1.5e-3, gradient: 1.5e-3, harmonic: 1.0 };
+    let (coarse, report) = adaptive(&common(), &settings, &mut look).unwrap();
     let rms = |volume: &Volume| {
         let reader = Reader::new(volume);
-        let error = |p| first(&reader.read(p, by(Interpolation::Hermite)).unwrap()) - bump(p).0;
-        (points(4000).map(|p| error(p).powi(2)).sum::<f64>() / 4000.0).sqrt()
+        let error = |p| first(&reader.read(p, by(Interpolation::Hermite)).unwrap()) - spot(p).0;
+        (points(20_000).map(|p| error(p).powi(2)).sum::<f64>() / 20_000.0).sqrt()
     };
     let (of_fine, of_coarse) = (rms(&fine), rms(&coarse));
-    eprintln!("{} samples {of_fine:.1e}; {} samples {of_coarse:.1e}: {report:?}", fine.samples.len(), report.samples);
+    eprintln!("{} samples {of_fine:.2e}; {} samples {of_coarse:.2e}: {report:?}", fine.samples.len(), report.samples);
     assert!(3 * report.samples <= fine.samples.len(), "{}", report.samples);
-    assert!(of_coarse < 1.1 * of_fine.max(1e-3));
+    assert!(of_coarse <= 1.02 * of_fine);
     let looked = report.levels.iter().all(|l| l.cut <= l.measured && l.measured <= l.cells);
     assert!(looked && report.levels.iter().any(|l| l.by_gradient > 0), "{report:?}");
 }

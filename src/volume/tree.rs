@@ -19,10 +19,8 @@ pub struct Point {
     pub corner: UVec3,
     /// Samples and weights that make its value: itself alone, if it is a sample.
     pub mix: Vec<(u32, f64)>,
-    /// Where it lies in the coarser level's cell that it takes its value from, and that cell's points: none for a sample.
-    pub within: Option<(DVec3, [u32; 8])>,
-    /// Level of that cell.
-    pub level: u32,
+    /// Its number, if it is a sample.
+    pub sample: Option<u32>,
 }
 
 /// A cell of the tree.
@@ -39,7 +37,7 @@ pub struct Node {
 pub struct Tree {
     /// Cells.
     pub nodes: Vec<Node>,
-    /// Their corners, each after the points that it takes its value from.
+    /// Their corners.
     pub points: Vec<Point>,
 }
 
@@ -78,22 +76,22 @@ impl Tree {
         builder.tree
     }
 
-    /// The finest cell around a place in the box, and where in it: from 0 to 1 along each axis; and the cell's level.
-    pub fn find(&self, lattice: &Lattice, point: DVec3) -> (&Node, DVec3, u32) {
+    /// The number of the finest cell around a place in the box, and where in it: from 0 to 1 along each axis; and the cell's level.
+    pub fn find(&self, lattice: &Lattice, point: DVec3) -> (usize, DVec3, u32) {
         let cells = lattice.divisions.as_dvec3();
         let at = ((point - lattice.low) / (lattice.high - lattice.low) * cells).clamp(DVec3::ZERO, cells);
         let whole = at.floor().min(cells - 1.0);
         let mut t = at - whole;
         let root = whole.as_uvec3();
-        let mut node = &self.nodes[(root.x + lattice.divisions.x * (root.y + lattice.divisions.y * root.z)) as usize];
+        let mut number = (root.x + lattice.divisions.x * (root.y + lattice.divisions.y * root.z)) as usize;
         let mut level = 0;
-        while node.first_child != 0 {
+        while self.nodes[number].first_child != 0 {
             let upper = t.cmpge(DVec3::splat(0.5));
             t = 2.0 * t - DVec3::select(upper, DVec3::ONE, DVec3::ZERO);
-            node = &self.nodes[(node.first_child + upper.bitmask()) as usize];
+            number = (self.nodes[number].first_child + upper.bitmask()) as usize;
             level += 1;
         }
-        (node, t, level)
+        (number, t, level)
     }
 }
 
@@ -130,7 +128,7 @@ impl Builder<'_> {
             return *known;
         }
         let point = match self.samples.get(&corner) {
-            Some(sample) => Point { corner, mix: vec![(*sample, 1.0)], within: None, level: 0 },
+            Some(sample) => Point { corner, mix: vec![(*sample, 1.0)], sample: Some(*sample) },
             None => self.virtual_point(corner),
         };
         let number = self.tree.points.len() as u32;
@@ -155,6 +153,6 @@ impl Builder<'_> {
                 }
             }
         }
-        Point { corner, mix, within: Some((t, corners)), level }
+        Point { corner, mix, sample: None }
     }
 }
