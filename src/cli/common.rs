@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 use clap::Args;
+use glam::Vec3;
 use hemicube::scene::{self, Background, Camera, Options, Pose, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance};
 use std::path::PathBuf;
@@ -30,6 +31,9 @@ pub struct SceneArgs {
     /// Factor of the background's radiance
     #[arg(long, value_name = "S", default_value_t = 1.0, hide_default_value = true, help_heading = "Scene")]
     pub background_strength: f32,
+    /// Light a scene that has no light by a uniform white sky of radiance 1; other scenes stay as they are
+    #[arg(long, conflicts_with = "background", help_heading = "Scene")]
+    pub default_light: bool,
     /// Camera by name or index; default: the file's first, or one that frames the scene
     #[arg(long, value_name = "NAME|INDEX", help_heading = "Scene")]
     pub camera: Option<String>,
@@ -70,6 +74,14 @@ impl SceneArgs {
             let valid = strength.is_finite() && strength >= 0.0;
             anyhow::ensure!(valid, "--background-strength {strength} is negative or not finite");
             scene.background = Background::parse_noting(background, &mut scene.notes)?.adjusted(degrees, strength);
+        }
+        if self.default_light {
+            if scene.is_dark() {
+                scene.background = Background::Constant(Vec3::ONE);
+                scene.notes.push("the file has no light: lit by a white sky (--default-light)".into());
+            } else {
+                scene.notes.push("--default-light does nothing: the scene has light".into());
+            }
         }
         Ok(scene)
     }

@@ -8,9 +8,10 @@ mod settings;
 pub use args::RenderArgs;
 
 use super::common::{TalkArgs, check_output};
+use super::say::{remark, say};
 use anyhow::{Result, bail};
-use hemicube::image::tone::Look;
-use hemicube::image::{exr, png};
+use hemicube::image::tone::{Exposure, Look, auto_stops};
+use hemicube::image::{Picture, exr, png};
 use hemicube::renderer::{Rendered, Renderer, Settings};
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
@@ -38,12 +39,18 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     report.stage("load scene", loaded);
     report.stage("open device", started.elapsed() - loaded);
     report.scene(&scene, note.as_deref(), &settings);
+    if !args.talk.quiet {
+        warn(args, picture_kind, &scene);
+    }
     let rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
     report.check(&rendered);
     let writing = Instant::now();
     match picture_kind {
         Kind::Exr => exr::write(&args.output, &rendered.picture, &[])?,
-        Kind::Png => png::write(&args.output, &rendered.picture, "", Look { tone: args.tone, stops: args.exposure })?,
+        Kind::Png => {
+            let stops = stops(args.exposure.unwrap_or_default(), &rendered.picture, args.talk.quiet);
+            png::write(&args.output, &rendered.picture, "", Look { tone: args.tone, stops })?;
+        }
     }
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
@@ -51,6 +58,33 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     report.finish(&scene, &rendered, &args.output, args.stats.as_deref(), args.trace.as_deref())?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// Warns of a scene without light, and of flags that do nothing for this kind of picture.
+fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
+    if scene.is_dark() {
+        remark!(
+            "warning: the scene has no light, so the picture is black: --default-light adds a soft sky, --background R,G,B \
+             a sky of your choice; in Blender's glTF export, tick Punctual Lights"
+        );
+    }
+    if kind == Kind::Exr && args.exposure.is_some() {
+        remark!("note: --exposure does nothing for an EXR, which holds radiance");
+    }
+}
+
+/// The exposure in stops; one found from the picture is printed.
+fn stops(exposure: Exposure, picture: &Picture, quiet: bool) -> f32 {
+    match exposure {
+        Exposure::Stops(stops) => stops,
+        Exposure::Auto => {
+            let stops = picture.rgb("").map_or(0.0, auto_stops);
+            if !quiet {
+                say!("exposure {stops:+.1} stops (--exposure STOPS sets it)");
+            }
+            stops
+        }
+    }
 }
 
 fn run_with_progress(

@@ -24,6 +24,43 @@ pub struct Look {
     pub stops: f32,
 }
 
+/// The exposure of a picture.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum Exposure {
+    /// By the picture's own luminance: [`auto_stops`].
+    #[default]
+    Auto,
+    /// In stops.
+    Stops(f32),
+}
+
+impl FromStr for Exposure {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse::<f32>() {
+            _ if text == "auto" => Ok(Self::Auto),
+            Ok(stops) if stops.abs() <= 100.0 => Ok(Self::Stops(stops)),
+            _ => Err("neither auto nor a number of stops from -100 to 100".into()),
+        }
+    }
+}
+
+/// Stops that bring the picture's log-average luminance to middle grey (Reinhard et al. 2002, eq. 1 and 2). The darkest
+/// and the brightest twentieth do not count, and neither do black and what is no number; 0 for a picture without light.
+pub fn auto_stops([r, g, b]: [&[f32]; 3]) -> f32 {
+    let all = r.iter().zip(g).zip(b).map(|((r, g), b)| luminance([*r, *g, *b]));
+    let mut lit: Vec<f32> = all.filter(|l| l.is_finite() && *l > 0.0).collect();
+    lit.sort_unstable_by(f32::total_cmp);
+    let cut = lit.len() / 20;
+    let middle = &lit[cut..lit.len() - cut];
+    if middle.is_empty() {
+        return 0.0;
+    }
+    let mean = middle.iter().map(|l| f64::from(*l).log2()).sum::<f64>() / middle.len() as f64;
+    (f64::from(MIDDLE_GREY).log2() - mean).clamp(-100.0, 100.0) as f32
+}
+
 impl FromStr for ToneMap {
     type Err = String;
 
@@ -163,6 +200,23 @@ mod tests {
         };
         let squared = (0..=1000).map(|i| i as f32 / 1000.0).map(|x| (agx_curve(x) - fit(x)).powi(2));
         assert!(squared.sum::<f32>() / 1001.0 < 1e-5);
+    }
+
+    #[test]
+    fn exposure_by_itself_takes_away_any_scale() {
+        let ramp: Vec<f32> = (0..1000).map(|i| 0.18 * ((i as f32 - 499.5) / 200.0).exp2()).collect();
+        for stops in [-40.0f32, -15.0, 0.0, 3.0, 60.0] {
+            let scaled: Vec<f32> = ramp.iter().map(|l| l * stops.exp2()).collect();
+            assert!((auto_stops([&scaled; 3]) + stops).abs() < 0.01, "{stops}");
+        }
+        let mut odd = vec![0.0, f32::NAN, f32::INFINITY, -1.0];
+        assert_eq!(auto_stops([&odd; 3]), 0.0);
+        odd.extend([0.18; 100]);
+        odd.extend([1e6; 4]);
+        assert!(auto_stops([&odd; 3]).abs() < 1e-3, "a few bright pixels do not count");
+        assert_eq!("auto".parse(), Ok(Exposure::Auto));
+        assert_eq!("-2.5".parse(), Ok(Exposure::Stops(-2.5)));
+        assert!("nan".parse::<Exposure>().is_err() && "1e9".parse::<Exposure>().is_err());
     }
 
     #[test]

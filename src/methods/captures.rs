@@ -4,7 +4,7 @@ use super::Ground;
 use crate::math::adjacency;
 use crate::math::capture::Projection;
 use crate::math::slices::Grid;
-use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
+use crate::passes::capture::{Capture, CaptureDesc, FramesBy, pays_to_cull};
 use crate::passes::capture_compute::{CaptureCompute, Far, Looks};
 use crate::passes::cluster_tree::TreeSize;
 use crate::passes::counter::Counter;
@@ -38,8 +38,8 @@ const BATCH_BYTES: u64 = 64 << 20;
 /// How records look at the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum CaptureMode {
-    /// Hemicubes: in compute where that fits and the device is a CPU, whose vertex stage runs on one core; else by render
-    /// passes.
+    /// Hemicubes: in compute where that fits, else by render passes. CPU devices have one core for vertices, and data-centre GPUs
+    /// few units for graphics.
     #[default]
     Auto,
     /// Hemicubes by multi-view render passes.
@@ -98,7 +98,6 @@ impl CaptureMode {
     /// The same, whether or not the device holds the scene's triangles.
     pub fn against_any_compute(self, device: &Device, scene: &Scene, size: u32) -> Option<String> {
         match self {
-            Self::Auto if !device.is_cpu() => Some("the device is a GPU, which is faster by render passes".into()),
             Self::Hemicube => Some("hemicubes by render passes are asked for".into()),
             Self::Plane { .. } => Some("planes are captured by render passes".into()),
             Self::Hemisphere => Some("hemispheres are captured by render passes".into()),
@@ -254,8 +253,9 @@ impl Captures {
             views,
             size,
             capacity: u64::from(capacity).min(most).max(1) as u32,
-            identity: true,
+            keeps_depth: false,
             culled: pays_to_cull(device, geometry.triangle_count),
+            frames: FramesBy::on(device),
         };
         let capture = Capture::counted(device, ground.scene, geometry, ground.textures, desc, drawn)?;
         let capacity = capture.desc.capacity;

@@ -3,7 +3,7 @@
 use super::Ground;
 use super::casters::Casters;
 use super::light_set::{Face, LightSet};
-use crate::passes::capture::{Capture, CaptureDesc, pays_to_cull};
+use crate::passes::capture::{Capture, CaptureDesc, FramesBy, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;
 use crate::passes::shadow::Shadow;
@@ -50,8 +50,9 @@ impl DirectLight {
             views: set.views,
             size: set.shadow_size,
             capacity,
-            identity: true,
+            keeps_depth: true,
             culled: pays_to_cull(device, from.geometry.triangle_count),
+            frames: FramesBy::on(device),
         };
         let shadow = Capture::new(device, from.scene, from.geometry, from.textures, desc)?;
         let bytes = u64::from(shadow.desc.capacity) * size_of::<LightSample>() as u64;

@@ -131,7 +131,7 @@ impl<'a> Probes<'a> {
             in_compute.then_some(Detail::Exact),
         )?;
         let has_sky = !scene.background.is_black();
-        let sky = has_sky.then(|| Sky::new(device, &scene.background, false)).transpose()?;
+        let sky = has_sky.then(|| Sky::new(device, &scene.background, size, false)).transpose()?;
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };
         light_surfaces(device, recorder, &ground, &settings.lights, has_sky)?;
 

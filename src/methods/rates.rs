@@ -6,7 +6,7 @@
 use super::Ground;
 use super::captures::{CaptureMode, CaptureSettings, Captures};
 use crate::math::capture::Projection;
-use crate::passes::capture::{Capture, CaptureDesc};
+use crate::passes::capture::{Capture, CaptureDesc, FramesBy};
 use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::cluster_tree::Detail;
 use crate::passes::counter::Counter;
@@ -165,8 +165,15 @@ fn rate(work: f64, seconds: Option<f64>) -> f64 {
 /// Triangle views and integrated texels in a second.
 fn captures(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) -> Result<(f64, f64)> {
     let views = Views::Hemicube;
-    let desc =
-        CaptureDesc { name: "capture", views, size: CAPTURE_SIZE, capacity: CAPTURES, identity: true, culled: false };
+    let desc = CaptureDesc {
+        name: "capture",
+        views,
+        size: CAPTURE_SIZE,
+        capacity: CAPTURES,
+        keeps_depth: false,
+        culled: false,
+        frames: FramesBy::on(device),
+    };
     let capture = Capture::new(device, ground.scene, ground.geometry, None, desc)?;
     let count = capture.desc.capacity;
     capture.frames.upload(&vec![upwards(); count as usize])?;

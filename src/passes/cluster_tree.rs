@@ -25,7 +25,7 @@ use std::sync::Arc;
 const CHILDREN: usize = 8;
 /// Error of coarse triangles, at distance 1, that the tree is arranged for: the usual one. With another one captures are as
 /// right, and a little slower.
-const USUAL_ERROR: f32 = 0.04 * 2.0 / 32.0;
+const USUAL_ERROR: f32 = 0.025 * 2.0 / 32.0;
 
 /// What is drawn at a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -222,13 +222,12 @@ pub(super) fn scene_bindings<'a>(
     sky: Option<&'a Buffer>,
 ) -> Vec<Binding<'a>> {
     let (positions, indices) = (&geometry.positions, &geometry.indices);
-    let identity = capture.identity.as_ref().expect("captures for integration keep identities");
     vec![
         Binding::Storage(positions),
         Binding::Storage(indices),
         Binding::Storage(&geometry.first_cell),
         Binding::Storage(&geometry.cell_radiance),
-        Binding::Texels(identity),
+        Binding::Texels(&capture.identity),
         Binding::Storage(sky.unwrap_or(positions)),
         Binding::Storage(neighbours.unwrap_or(positions)),
     ]

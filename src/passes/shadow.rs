@@ -49,12 +49,11 @@ pub struct Shadow<'a> {
 impl Shadow<'_> {
     /// Bindings 0–4 of the receivers' set.
     pub fn bindings(&self) -> [Binding<'_>; 5] {
-        let identity = self.capture.identity.as_ref().expect("shadow views keep identities");
         [
             Binding::Storage(self.lights),
             Binding::Storage(&self.capture.frames),
             Binding::Sampled(&self.capture.depth, self.sampler.raw()),
-            Binding::Texels(identity),
+            Binding::Texels(&self.capture.identity),
             Binding::Texels(self.triangles),
         ]
     }

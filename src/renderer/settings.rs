@@ -71,7 +71,7 @@ impl Default for Settings {
                 accuracy: 0.3,
                 capture: CaptureMode::Auto,
                 capture_size: 32,
-                lod_error: 0.04,
+                lod_error: 0.025,
                 share_views: false,
                 gradients: Gradients { rotation: true, translation: true },
                 radius: Radius::Hessian,

@@ -44,7 +44,10 @@ impl Surface {
         let size = arrangement.size();
         let textures = Textures::new(device, scene)?;
         let geometry = Geometry::of(device, scene, arrangement)?;
-        let sky = plan.runs(Part::Sky).then(|| Sky::new(device, &scene.background, true)).transpose()?;
+        let sky = plan
+            .runs(Part::Sky)
+            .then(|| Sky::new(device, &scene.background, settings.cache.capture_size, true))
+            .transpose()?;
         clock.lap("upload scene");
         let has_cells = plan.captures && settings.bounces > 0;
         let (is_captured, lights) = (plan.captures, Vec::new());

@@ -83,6 +83,15 @@ impl Scene {
         &self.triangles[start as usize..end as usize]
     }
 
+    /// Whether the scene has no light: no lamp, no emissive surface, no background.
+    pub fn is_dark(&self) -> bool {
+        let lit = |light: &Light| match light {
+            Light::Point { intensity, .. } | Light::Spot { intensity, .. } => *intensity != Vec3::ZERO,
+            Light::Directional { irradiance, .. } => *irradiance != Vec3::ZERO,
+        };
+        !self.lights.iter().any(lit) && !self.parts.iter().any(|part| self.emits(part)) && self.background.is_black()
+    }
+
     /// Whether the part's surface shines.
     pub fn emits(&self, part: &Part) -> bool {
         self.materials[part.material as usize].emission != Vec3::ZERO

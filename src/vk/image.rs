@@ -141,13 +141,23 @@ impl Image {
     }
 
     fn create_view(&self) -> Result<vk::ImageView> {
+        self.view_of(0..self.desc.layers.unwrap_or(1))
+    }
+
+    /// A view of some layers, to be destroyed by the caller.
+    pub(super) fn view_of(&self, layers: std::ops::Range<u32>) -> Result<vk::ImageView> {
         let kind =
             if self.desc.layers.is_some() { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        let range = vk::ImageSubresourceRange::default()
+            .aspect_mask(self.aspect())
+            .level_count(1)
+            .base_array_layer(layers.start)
+            .layer_count(layers.len() as u32);
         let info = vk::ImageViewCreateInfo::default()
             .image(self.raw)
             .view_type(kind)
             .format(self.desc.format)
-            .subresource_range(self.all_layers());
+            .subresource_range(range);
         // SAFETY: the image is alive and bound to memory.
         unsafe { self.device.raw.create_image_view(&info, None) }.during("creating an image view")
     }

@@ -271,10 +271,11 @@ impl GraphicsPipeline {
         }
     }
 
-    /// Draws triangles of the bound indices; `instance` becomes `gl_InstanceIndex`.
-    pub fn draw_triangles(&self, commands: &Commands, first: u32, count: u32, instance: u32) {
+    /// Draws triangles of the bound indices once for each of `instances`, whose numbers become `gl_InstanceIndex`.
+    pub fn draw_triangles(&self, commands: &Commands, first: u32, count: u32, instances: std::ops::Range<u32>) {
+        let (of, number) = (instances.start, instances.len() as u32);
         // SAFETY: the index range lies in the bound index buffer.
-        unsafe { self.device.raw.cmd_draw_indexed(commands.raw, count * 3, 1, first * 3, 0, instance) };
+        unsafe { self.device.raw.cmd_draw_indexed(commands.raw, count * 3, number, first * 3, 0, of) };
     }
 
     /// Draws `vertices` vertices once per instance, the first instance having the index `first_instance`.

@@ -206,24 +206,38 @@ impl Drop for RenderPass {
 pub struct Framebuffer {
     raw: vk::Framebuffer,
     extent: vk::Extent2D,
+    /// Views of its own.
+    layer_views: Vec<vk::ImageView>,
     device: Arc<Device>,
 }
 
 impl Framebuffer {
     /// A framebuffer of `images`, all of one size, in the order of the attachments. They must outlive it.
     pub fn new(pass: &RenderPass, images: &[&Image]) -> Result<Self> {
-        let views: Vec<_> = images.iter().map(|image| image.view).collect();
+        Self::of_views(pass, images, &images.iter().map(|image| image.view).collect::<Vec<_>>())
+    }
+
+    /// One of a layer of `images` alone, for a render pass without views.
+    pub fn of_layer(pass: &RenderPass, images: &[&Image], layer: u32) -> Result<Self> {
+        let views = images.iter().map(|image| image.view_of(layer..layer + 1)).collect::<Result<Vec<_>>>()?;
+        let mut made = Self::of_views(pass, images, &views)?;
+        made.layer_views = views;
+        Ok(made)
+    }
+
+    fn of_views(pass: &RenderPass, images: &[&Image], views: &[vk::ImageView]) -> Result<Self> {
         let [width, height] = images.first().expect("a render pass has attachments").desc.size;
         debug_assert!(images.iter().all(|image| read_layout(image) != vk::ImageLayout::UNDEFINED));
         let info = vk::FramebufferCreateInfo::default()
             .render_pass(pass.raw)
-            .attachments(&views)
+            .attachments(views)
             .width(width)
             .height(height)
             .layers(1);
         // SAFETY: the render pass and the views are alive.
         let raw = unsafe { pass.device.raw.create_framebuffer(&info, None) }.during("creating a framebuffer")?;
-        Ok(Self { raw, extent: vk::Extent2D { width, height }, device: pass.device.clone() })
+        let extent = vk::Extent2D { width, height };
+        Ok(Self { raw, extent, layer_views: Vec::new(), device: pass.device.clone() })
     }
 }
 
@@ -231,5 +245,9 @@ impl Drop for Framebuffer {
     fn drop(&mut self) {
         // SAFETY: every submission that used the framebuffer has been waited for.
         self.device.destroy(|raw| unsafe { raw.destroy_framebuffer(self.raw, None) });
+        for view in &self.layer_views {
+            // SAFETY: made for this framebuffer, which is gone.
+            self.device.destroy(|raw| unsafe { raw.destroy_image_view(*view, None) });
+        }
     }
 }

@@ -6,6 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod conformance;
+mod first_use;
 mod pictures;
 mod probe;
 mod refusals;

@@ -2,11 +2,11 @@
 
 use super::common::{check_complete, draw, look, look_parallel, picture, small};
 use glam::{DVec3, Vec3, dvec3, vec3};
-use hemicube::methods::captures::CaptureMode;
+use hemicube::methods::captures::{CaptureMode, GRAIN};
 use hemicube::renderer::Settings;
 use hemicube::report::stability::Bench;
 use hemicube::scene::build::{Builder, Facing, diffuse};
-use hemicube::scene::{Background, Camera, Light, Scene, cornell};
+use hemicube::scene::{Background, Camera, Light, Scene};
 use std::f64::consts::PI;
 
 /// A floor with a wall at x = 0 under a sky of radiance 1.
@@ -26,11 +26,13 @@ fn above() -> Camera {
 /// A pixel, a record: the record's place returns the record's own value.
 #[test]
 fn one_record_is_its_own_value() {
-    let scene = cornell();
+    // The sun lights floor and wall evenly: however they are cut into cells, these have one radiance.
+    let mut scene = corner();
+    scene.background = Background::Black;
+    scene.lights.push(Light::Directional { direction: vec3(-0.6, -0.8, 0.0), irradiance: vec3(3.0, 2.0, 1.0) });
     let mut settings = small(1);
     settings.cache.seed = 3;
-    // A parallel projection, for which surface cells are as even as those that probes see.
-    let rendered = draw(&scene, &look_parallel(dvec3(0.278, 0.273, -0.8), dvec3(0.278, 0.273, 0.0), 0.25), &settings);
+    let rendered = draw(&scene, &above(), &settings);
     check_complete(&rendered);
     assert_eq!(rendered.cache.records, 1);
     let picture = &rendered.picture;
@@ -41,7 +43,7 @@ fn one_record_is_its_own_value() {
         position: at(p),
         normal,
         geometric: normal,
-        turn: std::f32::consts::TAU * unit_float(pcg(pcg(3))),
+        turn: turn_of(at(p), &scene, 3),
     };
     let device = super::gpu();
     let bench = Bench { device: device.clone(), capture: CaptureMode::Auto };
@@ -51,6 +53,14 @@ fn one_record_is_its_own_value() {
     eprintln!("the pixel's {got}, the record's {own}");
     // The normal is read back from 2 × 16 bits, and the turn's sine is another machine's: no texel moves by a thousandth.
     assert!((got - own).abs().max_element() < 1e-4 * own.max_element(), "{got} {own}");
+}
+
+/// Twin of the turn in `glsl/place_records/place_records.comp`.
+fn turn_of(place: Vec3, scene: &Scene, seed: u32) -> f32 {
+    let (low, high) = scene.bounds();
+    let cube = (place / ((high - low).length() * 0.5 * GRAIN)).floor().as_ivec3();
+    let hash = [cube.z, cube.y, cube.x].iter().fold(pcg(seed), |hash, c| pcg(*c as u32 ^ hash));
+    std::f32::consts::TAU * unit_float(hash)
 }
 
 /// Twin of `glsl/inc/hash.glsl`.

@@ -5,7 +5,7 @@ use crate::cli::choices::{CaptureArg, GradientsArg, WeightArg};
 use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
 use clap::Args;
 use hemicube::image::LayerSet;
-use hemicube::image::tone::ToneMap;
+use hemicube::image::tone::{Exposure, ToneMap};
 use hemicube::methods::captures::{PLANE_APERTURE, SLICES, SLICES_NEAR};
 use std::path::PathBuf;
 
@@ -33,9 +33,9 @@ pub struct RenderArgs {
         help_heading = "Image"
     )]
     pub(super) layers: LayerSet,
-    /// Exposure of a PNG in stops
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, help_heading = "Image")]
-    pub(super) exposure: f32,
+    /// Exposure of a PNG in stops, -100 to 100; auto, the default, brings the mean of the logarithms to middle grey
+    #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, help_heading = "Image")]
+    pub(super) exposure: Option<Exposure>,
     /// Tone mapping of a PNG: agx, srgb (clamped) or reinhard
     #[arg(long, value_name = "NAME", default_value = "agx", help_heading = "Image")]
     pub(super) tone: ToneMap,

@@ -21,8 +21,8 @@ pub const SKY_SHADOW_SIZE: u32 = 512;
 
 /// Samples of the sky that a surface cell needs.
 const SAMPLES_OF_CELL: u32 = 32;
-/// Texels of a map for captures, a quarter turn each way: as many as those of a face of a hemicube.
-const CAPTURED: [u32; 2] = [128, 64];
+/// Texels of the map that lights surface cells.
+const OF_CELLS: [u32; 2] = [128, 64];
 
 /// The background on the device.
 pub struct Sky {
@@ -33,14 +33,15 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// Uploads `background`; `lit` says whether its bright regions light as lights, so that captures leave them out.
-    pub fn new(device: &Arc<Device>, background: &Background, lit: bool) -> Result<Self> {
+    /// Uploads `background` for captures of `capture_size` texels a side; `lit` says whether its bright regions light as lights,
+    /// so that captures leave them out.
+    pub fn new(device: &Arc<Device>, background: &Background, capture_size: u32, lit: bool) -> Result<Self> {
         let Background::Map(map) = background else {
             let radiance = if let Background::Constant(radiance) = background { *radiance } else { Vec3::ZERO };
             let texel = EnvironmentMap { width: 1, height: 1, rgb: vec![radiance.to_array()] };
             return Ok(Self { seen: upload(device, &texel)?, captured: None, note: None });
         };
-        let captured = captured(map, lit).map(|map| upload(device, &map)).transpose()?;
+        let captured = captured(map, capture_size, lit).map(|map| upload(device, &map)).transpose()?;
         let (shown, note) = fitting(device, map);
         Ok(Self { seen: upload(device, &shown)?, captured, note })
     }
@@ -70,12 +71,13 @@ pub fn has_suns(background: &Background) -> bool {
     matches!(background, Background::Map(map) if split::threshold(&split::fine(map)).is_some())
 }
 
-/// The map for captures, where it is not the map itself.
-fn captured(map: &EnvironmentMap, lit: bool) -> Option<EnvironmentMap> {
+/// The map for captures, where it is not the map itself: as many texels a quarter turn each way as a face of a hemicube has.
+fn captured(map: &EnvironmentMap, capture_size: u32, lit: bool) -> Option<EnvironmentMap> {
+    let size = [4 * capture_size, 2 * capture_size];
     let fine = split::fine(map);
     let limit = if lit { split::threshold(&fine) } else { None };
-    let small = map.width <= CAPTURED[0] && map.height <= CAPTURED[1];
-    (limit.is_some() || !small).then(|| split::reduced(&fine, CAPTURED, limit.unwrap_or(f32::INFINITY)))
+    let small = map.width <= size[0] && map.height <= size[1];
+    (limit.is_some() || !small).then(|| split::reduced(&fine, size, limit.unwrap_or(f32::INFINITY)))
 }
 
 /// The map, or a smaller one where the device allows no such buffer.
@@ -120,7 +122,7 @@ pub(super) fn add_sky(background: &Background, extent: Extent, count: u32, set: 
         Background::Map(map) => {
             let fine = split::fine(map);
             let limit = split::threshold(&fine).unwrap_or(f32::INFINITY);
-            let smooth = split::reduced(&fine, CAPTURED, limit);
+            let smooth = split::reduced(&fine, OF_CELLS, limit);
             let texels = texels(&smooth, |texel| texel);
             add(Region::new(texels).samples(&smooth, count), extent, set);
         }

@@ -1,4 +1,3 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define IDENTITY
-#include "capture/masked_frag.glsl"
+#include "capture/masked_plain.glsl"

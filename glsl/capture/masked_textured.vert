@@ -1,4 +1,3 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#define FRAME_SET 1
-#include "capture/masked_vert.glsl"
+#include "capture/masked_textured.glsl"

@@ -1,3 +1,4 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "capture/capture_body.glsl"
+#define INSTANCES
+#include "capture/capture.glsl"

@@ -1,5 +1,3 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #define TEXTURED
 #define FRAME_SET 2
 #include "capture/masked_vert.glsl"

@@ -1,5 +1,0 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#define IDENTITY
-#define TEXTURED
-#include "capture/masked_frag.glsl"
