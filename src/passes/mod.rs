@@ -20,6 +20,7 @@ pub mod material;
 pub mod pixel_light;
 pub mod place_records;
 pub mod project;
+pub mod read_volume;
 pub mod resolve;
 pub mod shadow;
 pub mod slices;

@@ -15,6 +15,7 @@ mod intersect;
 mod lights;
 mod path;
 pub mod picture;
+pub mod points;
 mod progressive;
 mod run;
 mod sampler;

@@ -12,6 +12,7 @@ mod probe;
 mod refusals;
 mod reports;
 mod unread;
+mod volume;
 
 use common::gltf::{document, glb, triangle};
 use common::program::Run;

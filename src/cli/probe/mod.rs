@@ -171,7 +171,7 @@ impl ProbeArgs {
             ReadSettings { interpolation: self.volume.interpolation.into(), guard: !self.volume.no_leak_guard };
         let read = |(at, point): (usize, &DVec3)| {
             let coefficients = reader.read(*point, settings).with_context(|| format!("points[{at}]"))?;
-            Ok(Light { coefficients, error: None })
+            Ok(Light { coefficients, irradiance: None, error: None })
         };
         let lights = points.iter().enumerate().map(read).collect::<Result<Vec<Light>>>()?;
         Ok((path.display().to_string(), lights, order))
@@ -216,6 +216,7 @@ fn measure(device: &Arc<Device>, scene: &Scene, args: &ProbeArgs, order: u32, pl
     let found = probes.measure(&mut recorder, places, &mut |count| stage.advance(count as u64)).map_err(plain)?;
     let light = |coefficients: &Vec<Vec3>| Light {
         coefficients: coefficients.iter().map(|c| c.as_dvec3()).collect(),
+        irradiance: None,
         error: None,
     };
     Ok(found.iter().map(|found| light(&found.projected.coefficients)).collect())

@@ -52,6 +52,8 @@ pub fn within(scene: &Scene, points: &[DVec3]) -> Result<Vec<Vec3>> {
 pub struct Light {
     /// Radiance coefficients, of as high an order as is known.
     pub coefficients: Vec<DVec3>,
+    /// Irradiance along the six directions, where it is known better than by the coefficients.
+    pub irradiance: Option<[DVec3; 6]>,
     /// Relative standard error, if it is an estimate.
     pub error: Option<f64>,
 }
@@ -81,8 +83,10 @@ fn described(light: &Light, output: Output) -> (Value, f64) {
         channels = channels.map(|channel| deringing::windowed(&channel, strength));
     }
     let axes = DVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+    let by_harmonics =
+        || axes.map(|axis| channels.each_ref().map(|channel| sh::irradiance(channel, axis).max(0.0) as f32)).collect();
     let irradiance: Vec<[f32; 3]> =
-        axes.map(|axis| channels.each_ref().map(|channel| sh::irradiance(channel, axis).max(0.0) as f32)).collect();
+        light.irradiance.map_or_else(by_harmonics, |known| known.map(|e| e.as_vec3().to_array()).to_vec());
     let coefficient = |i: usize| channels.each_ref().map(|channel| channel[i] as f32);
     let sh: Vec<[f32; 3]> = (0..sh::count(output.order)).map(coefficient).collect();
     let mut value = json!({"sh": sh, "irradiance": irradiance});
