@@ -44,7 +44,7 @@ impl ReadVolume {
         let on_device = upload(device, volume, origin)?;
         let coefficients = sh::count(volume.order);
         let bytes = u64::from(capacity) * (coefficients * 12) as u64;
-        let places = Buffer::new(device, "places", u64::from(capacity) * 16, Memory::Upload)?;
+        let places = Buffer::new(device, "places", u64::from(capacity) * 16, Memory::Device)?;
         let [results, readback] =
             [Memory::Device, Memory::Readback].map(|memory| Buffer::new(device, "light", bytes, memory));
         let (results, readback) = (results?, readback?);

@@ -9,6 +9,7 @@
 //! sky. Positions are in the scene's own coordinates.
 
 pub mod cell;
+pub mod export;
 pub mod file;
 mod jets;
 pub mod lattice;

@@ -55,6 +55,30 @@ fn a_volume_is_baked_and_read_and_near_the_truth() {
     assert!(error > 0.0 && error < 0.05, "{error}");
 }
 
+/// Each engine's file has its samples, from grids and from octrees.
+#[test]
+fn engines_get_their_files() {
+    let folder = folder();
+    let path = folder.path();
+    let bake = |rest: &str| {
+        let run = hemicube(path, &format!("bake volume --capture-size 8 {rest}"));
+        assert_eq!(run.code, 0, "{run:?}");
+        run
+    };
+    let run = bake("-o v.ktx2 --for bevy --uniform 3");
+    assert!(run.out.contains("Transform") && run.out.contains("wrote v.ktx2"), "{run:?}");
+    let bytes = std::fs::read(path.join("v.ktx2")).unwrap();
+    assert_eq!((&bytes[1..7], bytes[20], bytes[24], bytes[28]), (&b"KTX 20"[..], 3, 6, 9));
+    let octree = "--adaptive --min-level 0 --max-level 2";
+    for engine in ["three", "godot", "unity"] {
+        bake(&format!("-o {engine}.json --for {engine} {octree}"));
+        let file = read_json(&path.join(format!("{engine}.json")));
+        assert_eq!(file["engine"], engine);
+        let samples = file[if engine == "godot" { "sh" } else { "probes" }].as_array().unwrap().len();
+        assert_eq!(samples, 125, "{engine}");
+    }
+}
+
 #[test]
 fn octrees_report_their_tests() {
     let folder = folder();
@@ -89,6 +113,8 @@ fn bad_volumes_are_one_line_and_leave_nothing() {
         ("bake volume -o out.json --inside 2", "--inside 2"),
         ("bake volume gone.glb -o out.json", "gone.glb"),
         ("bake volume -o no/out.json", "no/out.json"),
+        ("bake volume -o out.ktx2", "out.ktx2"),
+        ("bake volume -o out.json --for bevy", ".ktx2 file"),
         ("probe --volume torn.json --points points.json -o out.json", "torn.json"),
         ("probe --volume newer.json --points points.json -o out.json", "version 9"),
         ("probe --volume gone.json --points points.json -o out.json", "gone.json"),

@@ -48,7 +48,7 @@ fn baked(scene: &Scene, settings: &BakeSettings) -> (Volume, Placement) {
 fn walls_of_five_centimetres_keep_light_out() {
     let mut b = Builder::default();
     let grey = b.material(diffuse(0.5));
-    b.floor(grey, -2.0, 2.0);
+    b.floor(grey, 0.0, 2.0);
     let (low, high) = (vec3(-1.13, 0.62, -1.08), vec3(1.07, 2.82, 1.12));
     b.cuboid(grey, low, high, Facing::In);
     b.cuboid(grey, low - 0.05, high + 0.05, Facing::Out);

@@ -16,6 +16,7 @@ use hemicube::report::table::Table;
 use hemicube::scene::Scene;
 use hemicube::vk::Device;
 use hemicube::vk::pass::Recorder;
+use hemicube::volume::export::{self, Engine, Grid, bevy};
 use hemicube::volume::memory::{MOMENTS, plain_bytes, table};
 use hemicube::volume::place::{Adaptive, Placement};
 use hemicube::volume::{Volume, file};
@@ -35,9 +36,13 @@ use std::time::Instant;
 pub struct VolumeArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Where the volume goes, a JSON file
-    #[arg(short, long, value_name = "OUT.json")]
+    /// Where the volume goes: a JSON file; --for bevy writes .ktx2
+    #[arg(short, long, value_name = "OUT.json|OUT.ktx2")]
     output: PathBuf,
+    /// Write what an engine takes: a uniform grid in its own measure, order and axes, instead of the volume that `hemicube probe`
+    /// reads
+    #[arg(long = "for", value_enum, value_name = "ENGINE")]
+    engine: Option<EngineArg>,
     /// Samples along each side of the scene's bounds, 2 to 129: N³ of them. The default, with 9
     #[arg(long, value_name = "N", conflicts_with = "adaptive", help_heading = "Samples")]
     uniform: Option<u32>,
@@ -97,6 +102,30 @@ enum GradientsArg {
     Differences,
 }
 
+/// [`Engine`] on the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum EngineArg {
+    /// Bevy's IrradianceVolume: a 3D texture, .ktx2
+    Bevy,
+    /// three.js' LightProbe: radiance coefficients, .json
+    Three,
+    /// Godot's LightmapGIData: probes in tetrahedra, .json
+    Godot,
+    /// Unity's SphericalHarmonicsL2, x flipped as glTFast flips it, .json
+    Unity,
+}
+
+impl From<EngineArg> for Engine {
+    fn from(arg: EngineArg) -> Self {
+        match arg {
+            EngineArg::Bevy => Self::Bevy,
+            EngineArg::Three => Self::Three,
+            EngineArg::Godot => Self::Godot,
+            EngineArg::Unity => Self::Unity,
+        }
+    }
+}
+
 const HELP: &str = "\
 The file holds order, positions, coefficients (radiance, W/(sr m²): real, orthonormal harmonics without the Condon-Shortley
 sign, in the order 1; y, z, x; xy, yz, 3z²-1, xz, x²-y²; …), gradients, cells, and of each sample the share of backs of triangles, the
@@ -106,6 +135,7 @@ has the format in full. `hemicube probe --volume` reads it.
 Example:
   hemicube bake volume -o cornell.json                              # 9³ samples in the built-in Cornell box
   hemicube bake volume hall.glb -o hall.json --uniform 17 --order 4
+  hemicube bake volume hall.glb -o hall.ktx2 --for bevy --uniform 16
   hemicube bake volume hall.glb -o hall.json --adaptive --max-level 5 --error 0.02 --stats hall-stats.json
 
 Exit codes: 0 done; 2 bad usage or input; 3 no suitable device or device lost.";
@@ -131,19 +161,40 @@ pub fn run(args: &VolumeArgs) -> Result<ExitCode> {
     let (volume, placement) =
         bake(&device, &mut recorder, &scene, &args.settings(&scene), &mut on_progress).map_err(plain)?;
     drop(stage);
-    file::write(&args.output, &volume)?;
+    let note = args.write(&volume)?;
     let seconds = begun.elapsed().as_secs_f64();
     if let Some(path) = &args.stats {
         args.stats(&device, &scene, &recorder, &volume, &placement, seconds).write(path)?;
     }
     if !args.talk.quiet {
         args.tell(&scene, &volume, &placement, seconds);
+        note.into_iter().for_each(|note| say!("{note}"));
     }
     Ok(ExitCode::SUCCESS)
 }
 
 impl VolumeArgs {
+    /// Writes the file, and says what whoever uses it has to know.
+    fn write(&self, volume: &Volume) -> Result<Option<String>> {
+        let Some(engine) = self.engine.map(Engine::from) else {
+            file::write(&self.output, volume)?;
+            return Ok(None);
+        };
+        let grid = Grid::of(volume);
+        export::write(&self.output, &grid, engine)?;
+        let [translation, scale] = bevy::transform(&grid);
+        let place = || {
+            format!(
+                "place it by Transform {{ translation: {translation}, scale: {scale} }}, with intensity 1/exposure (Bevy's default is 0)"
+            )
+        };
+        Ok((engine == Engine::Bevy).then(place))
+    }
+
     fn check(&self) -> Result<()> {
+        let wanted = self.engine.map_or("json", |engine| Engine::from(engine).extension());
+        let fits = self.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
+        ensure!(fits, "{}: this volume is a .{wanted} file; --for bevy alone is .ktx2", self.output.display());
         check_order(self.order)?;
         check_capture_size(self.capture_size)?;
         if let Some(uniform) = self.uniform {
