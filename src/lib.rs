@@ -29,6 +29,7 @@
 //! | [`methods`] | techniques: passes composed | `passes`, `volume` |
 //! | [`renderer`] | the plan, a scene that stays on the device, views of it | `methods` |
 //! | [`report`] | profile, statistics, trace, progress | `image` |
+//! | [`guide`] | how a frame is computed, limits, measurements with their commands | nothing |
 //!
 //! # Use
 //!
@@ -57,6 +58,7 @@
 // What a library prints may go unread: what it has to say it returns.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod guide;
 pub mod image;
 pub mod math;
 pub mod methods;

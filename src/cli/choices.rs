@@ -7,19 +7,19 @@ use hemicube::methods::captures::{CaptureMode, PLANE_APERTURE, SLICES, SLICES_NE
 /// `--capture`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CaptureArg {
-    /// In compute on a CPU device where that fits, else by render passes
+    /// Compute if it fits, else render passes
     Auto,
     /// Multi-view hemicubes by render passes
     Hemicube,
     /// One perspective view along the normal
     Plane,
-    /// One view projected onto the disc below the hemisphere; wants triangles that are small as seen from everywhere
+    /// One view, projected from the hemisphere onto its disc; needs small triangles
     Hemisphere,
     /// Hemicubes rasterised in compute, in shared memory
     Compute,
-    /// The hemisphere's projection rasterised in compute; triangles stay as they are
+    /// The hemisphere's projection, rasterised in compute; any triangles
     ComputeHemisphere,
-    /// Hemicubes in compute of what is near; what is far is seen as slices of voxels
+    /// Hemicubes in compute for near triangles; slices of voxels replace distant ones
     Slices,
 }
 
@@ -49,7 +49,7 @@ impl CaptureArg {
         PossibleValuesParser::new(all.filter_map(Self::to_possible_value)).try_map(|name| Self::from_str(&name, false))
     }
 
-    /// How records look at the scene.
+    /// How a record captures the scene.
     pub fn mode(self, options: &CaptureOptions) -> CaptureMode {
         let CaptureOptions { aperture, compensated, slices, slices_near } = *options;
         match self {

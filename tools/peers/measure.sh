@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Measures what the readme says about error against time: two scenes, all methods and both peers, on this machine.
+# Measures what the guide (src/guide/measurements.md) says about error against time: two scenes, all methods and both peers, on this machine.
 #
 #   tools/peers/measure.sh DIR              some 20 minutes on two cores that have nothing else to do
-#   tools/peers/measure.sh DIR --readme     the same, then puts the tables and charts into README.md and assets/
+#   tools/peers/measure.sh DIR --guide      the same, then puts the tables and charts into src/guide/measurements.md and assets/
 #   tools/peers/measure.sh DIR --try        a few points of Cornell, once each, to see that everything is there
 #
 # HEMICUBE_SCENES is the folder of the scenes with their references (default ../shared/scenes): cornell and sponza, each with
@@ -13,7 +13,7 @@ usage() { sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "$0"; }
 case ${1:-} in '' | -*) usage; exit 2 ;; esac
 out=$(realpath -m "$1")
 what=${2:-}
-case $what in '' | --readme | --try) ;; *) usage; exit 2 ;; esac
+case $what in '' | --guide | --try) ;; *) usage; exit 2 ;; esac
 scenes=${HEMICUBE_SCENES:-../shared/scenes}
 
 cd "$(dirname "$0")/../.."
@@ -59,9 +59,9 @@ splatting --accuracy 0.3 --capture compute --capture-size 32 --gradients none
 ours sponza --repeats 1 --methods ward --accuracy 0.3 --rays 256,1024
 ours sponza --repeats 1 --methods path --spp 4,16,64
 
-if [ "$what" = --readme ]; then
+if [ "$what" = --guide ]; then
   for name in cornell sponza; do cp "$out/$name/error-cpu.svg" "assets/error-$name.svg"; done
-  tools/peers/table.py "$out/cornell/points.csv" "$out/sponza/points.csv" --into README.md
+  tools/peers/table.py "$out/cornell/points.csv" "$out/sponza/points.csv" --into src/guide/measurements.md
 else
   tools/peers/table.py "$out/cornell/points.csv" "$out/sponza/points.csv"
 fi

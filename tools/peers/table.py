@@ -2,7 +2,7 @@
 """Prints measured points as Markdown tables: how long each method takes to each error, and what its usual settings give.
 
   tools/peers/table.py DIR/points.csv...                     as hemicube convergence and run.py write them
-  tools/peers/table.py DIR/points.csv... --into README.md    in place of what stands between the file's two marks
+  tools/peers/table.py DIR/points.csv... --into src/guide/measurements.md    in place of what stands between the file's two marks
 
 Times are those of the indirect light alone, processor seconds of all threads together / seconds on the clock, medians
 over the repeats. Errors are mean absolute errors over the mean. Times to an error are interpolated in logarithms between
@@ -146,12 +146,12 @@ def machine() -> str:
 
 
 def charts(into: Path, found: dict[Series, list[Point]]) -> list[str]:
-    """Lines that show assets/error-SCENE.svg beside the file, where there is one."""
+    """Lines that show assets/error-SCENE.svg, where there is one, by its path from the file."""
     lines = []
     for scene in dict.fromkeys(name[0] for name in found):
-        chart = f"assets/error-{scene.split()[0]}.svg"
-        if (into.parent / chart).is_file():
-            lines += [f"![{scene}: error against processor time]({chart})", ""]
+        chart = Path(f"assets/error-{scene.split()[0]}.svg")
+        if chart.is_file():
+            lines += [f"![{scene}: error against processor time]({os.path.relpath(chart, into.parent)})", ""]
     return lines
 
 

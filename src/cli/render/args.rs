@@ -39,50 +39,49 @@ pub struct RenderArgs {
     /// Tone mapping of a PNG: agx, srgb (clamped) or reinhard
     #[arg(long, value_name = "NAME", default_value = "agx", help_heading = "Image")]
     pub(super) tone: ToneMap,
-    /// Reflections on the way: 0 is direct light only, 1 one bounce of indirect light
+    /// Bounces of indirect light: 0 for direct light only, 1 for one bounce
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Light")]
     pub(super) bounces: u32,
-    /// Samples of all emissive triangles together, one for each at least; the noise of soft shadows falls with their number
+    /// Light samples over all emissive triangles, at least one per triangle; more samples give smoother soft shadows
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) light_samples: Option<u32>,
-    /// Cells that the surfaces are cut into to hold their lit radiance, about, finer near small triangles and near the
-    /// file's cameras; each triangle has at least one
+    /// Approximate number of surface cells that store lit radiance, finer near small triangles and near the file's cameras; each
+    /// triangle has at least one
     #[arg(long, value_name = "N", help_heading = "Light")]
     pub(super) surface_cells: Option<u32>,
     /// Ward's a: a record reaches a times R (--radius). Smaller: more records, less error
     #[arg(long, value_name = "A", help_heading = "Irradiance cache")]
     pub(super) accuracy: Option<f32>,
-    /// How records look at the scene
+    /// How a record captures the scene
     #[arg(long, value_enum, default_value = "auto", help_heading = "Irradiance cache")]
     pub(super) capture: CaptureArg,
-    /// Texels a side of a capture (a hemicube's top), even, 8 to 256
+    /// Width of a capture (of a hemicube's top face) in texels: even, 8 to 256
     #[arg(long, value_name = "N", help_heading = "Irradiance cache")]
     pub(super) capture_size: Option<u32>,
-    /// Most that distant triangles may be wrong by in captures in compute, in texels of a hemicube: where a scene has many
-    /// triangles, coarser ones stand for them at a distance, fewer ones for those of flat places, and coarser ones cast the
-    /// sky's shadows on surface cells. 0: all are drawn
+    /// Largest geometric error of simplified distant triangles in compute captures, in texels of a hemicube. It applies to
+    /// scenes of many triangles, whose flat surfaces and sky shadows are simplified too. 0 draws the full mesh
     #[arg(long, value_name = "TEXELS", help_heading = "Irradiance cache")]
     pub(super) lod_error: Option<f32>,
-    /// Full angle that --capture plane sees along each axis, in degrees, 10 to 170; 126.87 is twice as wide as it is far
+    /// Field of view of --capture plane along each axis, in degrees, 10 to 170
     #[arg(long, value_name = "DEGREES", default_value_t = PLANE_APERTURE, help_heading = "Irradiance cache")]
     pub(super) aperture: f64,
-    /// Whether texels at the border of --capture plane stand for what it does not see; without it that is black
+    /// Fill the directions outside --capture plane with the texels at its border; without this they are black
     #[arg(long, value_enum, default_value = "on", help_heading = "Irradiance cache")]
     pub(super) compensation: CompensationArg,
     /// Voxels along the scene's longest side for --capture slices, 4 to 128
     #[arg(long, value_name = "N", default_value_t = SLICES, help_heading = "Irradiance cache")]
     pub(super) slices: u32,
-    /// How many voxels away --capture slices still draws triangles as they are, 2 to 1000
+    /// Distance in voxels up to which --capture slices draws triangles, 2 to 1000
     #[arg(long, value_name = "VOXELS", default_value_t = SLICES_NEAR, help_heading = "Irradiance cache")]
     pub(super) slices_near: f32,
-    /// Cut triangles so that no side is longer than this share of the scene's diagonal; --capture hemisphere, which draws
-    /// curved sides straight, does so by itself
+    /// Subdivide triangles until no edge is longer than this share of the scene's diagonal; --capture hemisphere, which
+    /// draws curved edges straight, does this by default
     #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
     pub(super) tessellate: Option<f32>,
-    /// Irradiance gradients that records are extrapolated with
+    /// Irradiance gradients used to extrapolate from a record
     #[arg(long, value_enum, default_value = "both", help_heading = "Irradiance cache")]
     pub(super) gradients: GradientsArg,
-    /// What R is, of which a record's zone of influence has the share a
+    /// Definition of the radius R; a record's zone of influence has the radius a·R (--accuracy)
     #[arg(long, value_enum, default_value = "hessian", help_heading = "Irradiance cache")]
     pub(super) radius: RadiusArg,
     /// Weight of a record at a point
@@ -94,35 +93,35 @@ pub struct RenderArgs {
     /// Largest radius of a record's zone of influence as a share of the image's height
     #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
     pub(super) max_radius: Option<f32>,
-    /// Sum of weights from which a pixel counts as covered
+    /// Smallest sum of weights of a covered pixel
     #[arg(long, value_name = "W", help_heading = "Irradiance cache")]
     pub(super) coverage: Option<f32>,
-    /// New records are put where those of a pixel disagree by more than this, relative to their mean: removes dark or bright
-    /// spots beside edges of the light. Captures of N texels a side, below 32, are asked for 32/N times as much, for they err by as
-    /// much themselves. 0: they may disagree
+    /// Place new records where the records of a pixel differ by more than this, relative to their mean. This removes dark and
+    /// bright spots at the edges of light. Below 32 texels (N), the limit is 32/N times as large, since the error of captures is
+    /// larger by that factor. 0 turns it off
     #[arg(long, value_name = "C", help_heading = "Irradiance cache")]
     pub(super) contrast: Option<f32>,
-    /// Most records between two looks for pixels that need one; fewer make fewer records in more time. Default: all that a
-    /// round's lattice of pixels needs
+    /// Maximum records placed before uncovered pixels are searched again; a smaller number gives fewer records in more time.
+    /// Default: all that the round's lattice of pixels needs
     #[arg(long, value_name = "N", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) batch: Option<u32>,
-    /// √(1 − cos) between normals at which a record's weight has fallen to zero
+    /// Angle between normals, as √(1 − cos), at which a record's weight is zero
     #[arg(long, value_name = "X", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) normal_limit: Option<f32>,
-    /// Whether a new record reaches further beyond an older one than that reaches itself
+    /// Whether neighbouring records limit a new record's radius
     #[arg(long, value_enum, default_value = "clamp", help_heading = "Irradiance cache")]
     pub(super) neighbours: NeighboursArg,
-    /// Where something stands between a record and a point, by the distances that the record's hemicube has seen
+    /// Points hidden from a record, by the distances in the record's hemicube
     #[arg(long, value_enum, default_value = "reject", help_heading = "Irradiance cache")]
     pub(super) hidden: HiddenArg,
-    /// Seed of the hemicubes' random turns
+    /// Seed of the captures' random rotations
     #[arg(long, default_value_t = 0, help_heading = "Irradiance cache")]
     pub(super) seed: u32,
-    /// Build and run every part, needed or not (to check that leaving parts out changes no pixel)
+    /// Build and run every pass, needed or not (to check that leaving passes out changes no pixel)
     #[arg(long, hide_short_help = true, help_heading = "Device")]
     pub(super) full_plan: bool,
-    /// Measure what the device does at most, as `hemicube info --measure` does, and show what capturing, integrating and
-    /// splatting did as a share of that
+    /// Measure the device's peak rates, as `hemicube info --measure` does, and print the rates of capture, integration and
+    /// splatting as a share of them
     #[arg(long, help_heading = "Report")]
     pub(super) measure: bool,
     /// Write statistics as JSON: plan, records, times of all passes, memory

@@ -5,35 +5,35 @@ use clap::ValueEnum;
 /// `--compensation`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CompensationArg {
-    /// The texels at the border stand for what lies between them and the horizon
+    /// Texels at the border are weighted for the directions between them and the horizon
     On,
-    /// What is not seen is black
+    /// Directions outside the plane are black
     Off,
 }
 
 /// `--radius`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum RadiusArg {
-    /// Harmonic mean distance of what the record sees, limited by its gradient (Ward 1988)
+    /// Harmonic mean distance of the surfaces around the record, limited by its gradient (Ward 1988)
     Harmonic,
-    /// Where the second derivatives of the irradiance make extrapolation wrong; harmonic without a translation gradient
+    /// By the second derivatives of the irradiance (Jarosz et al. 2012); harmonic without a translation gradient
     Hessian,
 }
 
 /// `--neighbours`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum NeighboursArg {
-    /// It does not: what shortens one zone is near the other (Křivánek et al. 2006)
+    /// Shorten a new record's radius to fit its neighbours (Křivánek et al. 2006)
     Clamp,
-    /// It may
+    /// No clamping
     Free,
 }
 
 /// `--hidden`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum HiddenArg {
-    /// The record does not light the point: no light passes thin walls
+    /// The record does not contribute: no light passes through thin walls
     Reject,
-    /// It does, if place and normal fit
+    /// The record contributes if position and normal fit
     Allow,
 }

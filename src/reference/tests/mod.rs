@@ -2,6 +2,5 @@
 
 mod closed_forms;
 mod gradients;
-mod peers;
 mod promises;
 mod scenes;

@@ -1,0 +1,13 @@
+//! The guide: how a frame is computed, its limits, and measurements with their commands.
+
+#[doc = include_str!("method.md")]
+pub mod method {}
+
+#[doc = include_str!("measurements.md")]
+pub mod measurements {}
+
+#[doc = include_str!("capabilities.md")]
+pub mod capabilities {}
+
+#[doc = include_str!("limits.md")]
+pub mod limits {}
