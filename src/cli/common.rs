@@ -55,6 +55,15 @@ fn moment(text: &str) -> Result<f64, String> {
     }
 }
 
+/// How long to work, in seconds: a billion are 32 years, and a [`std::time::Duration`] holds them.
+pub fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
+        Ok(_) => Err("must be above 0, at most 1e9 seconds".into()),
+        Err(_) => Err("not a number of seconds".into()),
+    }
+}
+
 impl SceneArgs {
     /// Loads the scene and its background.
     pub fn load(&self) -> Result<Scene> {
@@ -134,7 +143,7 @@ pub struct TalkArgs {
     /// Say nothing but errors
     #[arg(short, long, help_heading = "Messages", conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Say more: what is left out and why, notes on the scene
+    /// Say more: the plan, what is left out of it and why, all notes on the scene
     #[arg(short, long, help_heading = "Messages")]
     pub verbose: bool,
 }

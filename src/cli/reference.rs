@@ -6,7 +6,7 @@ mod report;
 mod setup;
 
 use super::choices::{GradientsArg, WeightArg};
-use super::common::{ImageArgs, SceneArgs};
+use super::common::{ImageArgs, SceneArgs, parse_seconds};
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use hemicube::reference::ward::{Gradients, Weight};
@@ -59,7 +59,7 @@ pub struct ReferenceArgs {
     #[arg(long, value_name = "X", value_parser = setup::parse_positive, help_heading = "When to stop")]
     relative_error: Option<f64>,
     /// Stop after this many seconds
-    #[arg(long, value_name = "SECONDS", value_parser = setup::parse_positive, help_heading = "When to stop")]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, help_heading = "When to stop")]
     time: Option<f64>,
     /// Keep the state of the run in FILE, and go on from it if it is there
     #[arg(long, value_name = "FILE", help_heading = "When to stop")]

@@ -4,11 +4,12 @@ mod args;
 mod choices;
 mod report;
 mod settings;
+mod without_effect;
 
 pub use args::RenderArgs;
 
 use super::common::{TalkArgs, check_output};
-use super::say::{remark, say};
+use super::say::remark;
 use anyhow::{Result, bail};
 use hemicube::image::tone::{Exposure, Look, auto_stops};
 use hemicube::image::{Picture, exr, png};
@@ -35,7 +36,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let loaded = started.elapsed();
     let device = args.device.open()?;
     settings.check(&device)?;
-    let mut report = Report::new(args.talk, started, &device);
+    let mut report = Report::new(args, started, &device);
     report.stage("load scene", loaded);
     report.stage("open device", started.elapsed() - loaded);
     report.scene(&scene, note.as_deref(), &settings);
@@ -49,7 +50,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         Kind::Exr => exr::write(&args.output, &rendered.picture, &[])?,
         Kind::Png => {
             let stops = stops(args.exposure.unwrap_or_default(), &rendered.picture, args.talk.quiet);
-            png::write(&args.output, &rendered.picture, "", Look { tone: args.tone, stops })?;
+            png::write(&args.output, &rendered.picture, "", Look { tone: args.tone.unwrap_or_default(), stops })?;
         }
     }
     report.rendered(&rendered, writing.elapsed());
@@ -68,9 +69,7 @@ fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
              a sky of your choice; in Blender's glTF export, tick Punctual Lights"
         );
     }
-    if kind == Kind::Exr && args.exposure.is_some() {
-        remark!("note: --exposure does nothing for an EXR, which holds radiance");
-    }
+    args.without_effect(kind).iter().for_each(|note| remark!("note: {note}"));
 }
 
 /// The exposure in stops; one found from the picture is printed.
@@ -80,7 +79,7 @@ fn stops(exposure: Exposure, picture: &Picture, quiet: bool) -> f32 {
         Exposure::Auto => {
             let stops = picture.rgb("").map_or(0.0, auto_stops);
             if !quiet {
-                say!("exposure {stops:+.1} stops (--exposure STOPS sets it)");
+                remark!("exposure {stops:+.1} stops (--exposure STOPS sets it)");
             }
             stops
         }

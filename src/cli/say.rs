@@ -4,6 +4,7 @@
 //! end it in the middle, and so would the signal that other programs leave at its default.
 
 use anyhow::{Context, Result};
+use console::Style;
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
 use std::sync::OnceLock;
@@ -32,9 +33,21 @@ pub fn line(words: Arguments<'_>) {
     }
 }
 
-/// What [`remark!`] does. That a remark could not be made can be told nobody.
+/// What [`remark!`] does: the label of an error, a warning or a note has a colour on a terminal. A failure to write here cannot be
+/// reported anywhere.
 pub fn remark_line(words: Arguments<'_>) {
-    let _ = writeln!(io::stderr(), "{words}");
+    let text = words.to_string();
+    let style = |label| match label {
+        "error" => Style::new().red().bold(),
+        "warning" => Style::new().yellow().bold(),
+        _ => Style::new().cyan(),
+    };
+    let _ = match text.split_once(": ") {
+        Some((label @ ("error" | "warning" | "note"), rest)) => {
+            writeln!(io::stderr(), "{}: {rest}", style(label).for_stderr().apply_to(label))
+        }
+        _ => writeln!(io::stderr(), "{text}"),
+    };
 }
 
 /// Makes sure that all was said, or that nobody reads it.

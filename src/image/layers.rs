@@ -51,6 +51,14 @@ impl LayerSet {
     }
 }
 
+impl Default for LayerSet {
+    /// What most programs ask for: light, albedo and geometry.
+    fn default() -> Self {
+        let names = ["direct", "indirect", "irradiance", "albedo", "N", "P", "Z"];
+        Self { names: Some(names.map(String::from).into()) }
+    }
+}
+
 impl FromStr for LayerSet {
     type Err = LayerError;
 

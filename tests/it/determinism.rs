@@ -44,7 +44,7 @@ fn two_processes_write_the_same_file() {
             folder.path(),
             &format!("render -q -o {name} --width 80 --height 64 --layers all"),
         );
-        assert!(run.code == 0 && run.err.is_empty(), "{run:?}");
+        assert!(run.is_clean(), "{run:?}");
         std::fs::read(folder.path().join(name)).unwrap()
     });
     assert!(files[0] == files[1], "the files differ");

@@ -91,7 +91,7 @@ fn the_device_works_most_of_the_time() {
     let folder = tempfile::tempdir().unwrap();
     let run =
         program::hemicube(folder.path(), "render -o out.exr --width 128 --height 128 --measure --stats stats.json");
-    assert!(run.code == 0 && run.err.is_empty(), "{run:?}");
+    assert!(run.is_clean(), "{run:?}");
     let stats: Value = serde_json::from_slice(&std::fs::read(folder.path().join("stats.json")).unwrap()).unwrap();
     let busy = stats["busy"].as_f64().unwrap();
     eprintln!("the device works {:.1} % of the time", 100.0 * busy);

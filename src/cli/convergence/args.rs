@@ -1,7 +1,7 @@
 //! The arguments of `hemicube convergence`.
 
 use crate::cli::choices::{CaptureArg, GradientsArg};
-use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs};
+use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, parse_seconds};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -46,7 +46,7 @@ pub struct ConvergenceArgs {
     #[arg(long, value_name = "NAME", requires = "reference", help_heading = "Reference")]
     pub layer: Option<String>,
     /// Time to make a reference in; default 120, with --quick 45
-    #[arg(long, value_name = "SECONDS", value_parser = parse_positive, conflicts_with = "reference", help_heading = "Reference")]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, conflicts_with = "reference", help_heading = "Reference")]
     reference_time: Option<f64>,
     /// The error that charts show: all of them are in the table
     #[arg(long, value_enum, default_value = "mae", help_heading = "Results")]

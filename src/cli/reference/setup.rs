@@ -1,6 +1,7 @@
 //! From arguments to a job, and from a result to files.
 
 use super::{Method, ReferenceArgs, Show, draw};
+use crate::cli::choices::{GradientsArg, WeightArg};
 use crate::cli::say::remark;
 use anyhow::{Context, Result, bail, ensure};
 use hemicube::image::tone::Look;
@@ -54,12 +55,31 @@ pub fn job(args: &ReferenceArgs) -> Result<Job> {
         ensure!(!path_only.contains(&true), "--resume, --time and --relative-error go with --method path alone");
     } else {
         ensure!(args.show.is_none(), "--show records needs --method ward: paths make no records");
+        let notes = without_effect(args);
+        notes.iter().filter(|_| !args.quiet).for_each(|note| remark!("note: {note}"));
     }
     if let Some(threads) = args.threads {
         ensure!((1..=4096).contains(&threads), "--threads {threads} is not between 1 and 4096");
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global().context("cannot start the threads")?;
     }
     load(args)
+}
+
+/// A note for each flag of the irradiance cache that does not have its default where paths are traced.
+fn without_effect(args: &ReferenceArgs) -> Vec<String> {
+    let (ward, usual) = (&args.ward, WardSettings::default());
+    let flags = [
+        ("--accuracy", ward.accuracy != usual.accuracy),
+        ("--rays", ward.rays != usual.rays),
+        ("--weight", ward.weight != WeightArg::Ward),
+        ("--gradients", ward.gradients != GradientsArg::Both),
+        ("--no-gradient-limit", ward.no_gradient_limit),
+        ("--no-neighbour-clamping", ward.no_neighbour_clamping),
+        ("--min-radius", ward.min_radius != usual.min_radius),
+        ("--max-radius", ward.max_radius != usual.max_radius),
+    ];
+    let given = flags.into_iter().filter(|(_, given)| *given);
+    given.map(|(flag, _)| format!("{flag} has no effect: it belongs to --method ward")).collect()
 }
 
 fn load(args: &ReferenceArgs) -> Result<Job> {

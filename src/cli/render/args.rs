@@ -6,7 +6,7 @@ use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
 use clap::Args;
 use hemicube::image::LayerSet;
 use hemicube::image::tone::{Exposure, ToneMap};
-use hemicube::methods::captures::{PLANE_APERTURE, SLICES, SLICES_NEAR};
+use hemicube::renderer::Settings;
 use std::path::PathBuf;
 
 /// Render one image with indirect light by irradiance-cache splatting
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 /// captured as a multi-view hemicube, integrated and splatted over the pixels it is valid for, until every visible pixel
 /// is covered. A table of all passes with their GPU times ends the run.
 #[derive(Args, Debug)]
-#[command(after_long_help = HELP)]
+#[command(after_help = SHORT_HELP, after_long_help = HELP)]
 pub struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
@@ -26,96 +26,109 @@ pub struct RenderArgs {
     pub(super) image: ImageArgs,
     /// Layers of the EXR besides R,G,B: direct, indirect, irradiance, irradiance_direct, albedo, emission, N, P, Z,
     /// records, mask, or all
-    #[arg(
-        long,
-        value_name = "LIST|all",
-        default_value = "direct,indirect,irradiance,albedo,N,P,Z",
-        help_heading = "Image"
-    )]
-    pub(super) layers: LayerSet,
+    /// [default: direct,indirect,irradiance,albedo,N,P,Z]
+    #[arg(long, value_name = "LIST|all", help_heading = "Image")]
+    pub(super) layers: Option<LayerSet>,
     /// Exposure of a PNG in stops, -100 to 100; auto, the default, brings the mean of the logarithms to middle grey
     #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, help_heading = "Image")]
     pub(super) exposure: Option<Exposure>,
     /// Tone mapping of a PNG: agx, srgb (clamped) or reinhard
-    #[arg(long, value_name = "NAME", default_value = "agx", help_heading = "Image")]
-    pub(super) tone: ToneMap,
+    /// [default: agx]
+    #[arg(long, value_name = "NAME", help_heading = "Image")]
+    pub(super) tone: Option<ToneMap>,
     /// Bounces of indirect light: 0 for direct light only, 1 for one bounce
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Light")]
     pub(super) bounces: u32,
     /// Light samples over all emissive triangles, at least one per triangle; more samples give smoother soft shadows
-    #[arg(long, value_name = "N", help_heading = "Light")]
-    pub(super) light_samples: Option<u32>,
+    #[arg(long, default_value_t = Settings::default().lights.area_samples, value_name = "N", help_heading = "Light")]
+    pub(super) light_samples: u32,
     /// Approximate number of surface cells that store lit radiance, finer near small triangles and near the file's cameras; each
     /// triangle has at least one
-    #[arg(long, value_name = "N", help_heading = "Light")]
+    #[arg(long, value_name = "N", help_heading = "Light", hide_short_help = true)]
     pub(super) surface_cells: Option<u32>,
     /// Ward's a: a record reaches a times R (--radius). Smaller: more records, less error
-    #[arg(long, value_name = "A", help_heading = "Irradiance cache")]
-    pub(super) accuracy: Option<f32>,
+    #[arg(long, default_value_t = Settings::default().cache.accuracy, allow_negative_numbers = true, value_name = "A", help_heading = "Irradiance cache")]
+    pub(super) accuracy: f32,
     /// How a record captures the scene
     #[arg(long, value_enum, default_value = "auto", help_heading = "Irradiance cache")]
     pub(super) capture: CaptureArg,
     /// Width of a capture (of a hemicube's top face) in texels: even, 8 to 256
-    #[arg(long, value_name = "N", help_heading = "Irradiance cache")]
-    pub(super) capture_size: Option<u32>,
+    #[arg(long, default_value_t = Settings::default().cache.capture_size, value_name = "N", help_heading = "Irradiance cache")]
+    pub(super) capture_size: u32,
     /// Largest geometric error of simplified distant triangles in compute captures, in texels of a hemicube. It applies to
     /// scenes of many triangles, whose flat surfaces and sky shadows are simplified too. 0 draws the full mesh
-    #[arg(long, value_name = "TEXELS", help_heading = "Irradiance cache")]
-    pub(super) lod_error: Option<f32>,
+    #[arg(long, default_value_t = Settings::default().cache.lod_error, allow_negative_numbers = true, value_name = "TEXELS", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) lod_error: f32,
     /// Field of view of --capture plane along each axis, in degrees, 10 to 170
-    #[arg(long, value_name = "DEGREES", default_value_t = PLANE_APERTURE, help_heading = "Irradiance cache")]
-    pub(super) aperture: f64,
+    /// [default: 126.87]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "DEGREES",
+        help_heading = "Irradiance cache",
+        hide_short_help = true
+    )]
+    pub(super) aperture: Option<f64>,
     /// Fill the directions outside --capture plane with the texels at its border; without this they are black
-    #[arg(long, value_enum, default_value = "on", help_heading = "Irradiance cache")]
-    pub(super) compensation: CompensationArg,
+    /// [default: on]
+    #[arg(long, value_enum, help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) compensation: Option<CompensationArg>,
     /// Voxels along the scene's longest side for --capture slices, 4 to 128
-    #[arg(long, value_name = "N", default_value_t = SLICES, help_heading = "Irradiance cache")]
-    pub(super) slices: u32,
+    /// [default: 32]
+    #[arg(long, value_name = "N", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) slices: Option<u32>,
     /// Distance in voxels up to which --capture slices draws triangles, 2 to 1000
-    #[arg(long, value_name = "VOXELS", default_value_t = SLICES_NEAR, help_heading = "Irradiance cache")]
-    pub(super) slices_near: f32,
+    /// [default: 8]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        value_name = "VOXELS",
+        help_heading = "Irradiance cache",
+        hide_short_help = true
+    )]
+    pub(super) slices_near: Option<f32>,
     /// Subdivide triangles until no edge is longer than this share of the scene's diagonal; --capture hemisphere, which
     /// draws curved edges straight, does this by default
-    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
+    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) tessellate: Option<f32>,
     /// Irradiance gradients used to extrapolate from a record
-    #[arg(long, value_enum, default_value = "both", help_heading = "Irradiance cache")]
+    #[arg(long, value_enum, default_value = "both", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) gradients: GradientsArg,
     /// Definition of the radius R; a record's zone of influence has the radius a·R (--accuracy)
-    #[arg(long, value_enum, default_value = "hessian", help_heading = "Irradiance cache")]
+    #[arg(long, value_enum, default_value = "hessian", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) radius: RadiusArg,
     /// Weight of a record at a point
-    #[arg(long, value_enum, default_value = "bounded", help_heading = "Irradiance cache")]
+    #[arg(long, value_enum, default_value = "bounded", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) weight: WeightArg,
     /// Smallest radius of a record's zone of influence as a share of the image's height; never below two pixels
-    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
-    pub(super) min_radius: Option<f32>,
+    #[arg(long, default_value_t = Settings::default().cache.min_radius, allow_negative_numbers = true, value_name = "SHARE", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) min_radius: f32,
     /// Largest radius of a record's zone of influence as a share of the image's height
-    #[arg(long, value_name = "SHARE", help_heading = "Irradiance cache")]
-    pub(super) max_radius: Option<f32>,
+    #[arg(long, default_value_t = Settings::default().cache.max_radius, allow_negative_numbers = true, value_name = "SHARE", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) max_radius: f32,
     /// Smallest sum of weights of a covered pixel
-    #[arg(long, value_name = "W", help_heading = "Irradiance cache")]
-    pub(super) coverage: Option<f32>,
+    #[arg(long, default_value_t = Settings::default().cache.covered, allow_negative_numbers = true, value_name = "W", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) coverage: f32,
     /// Place new records where the records of a pixel differ by more than this, relative to their mean. This removes dark and
     /// bright spots at the edges of light. Below 32 texels (N), the limit is 32/N times as large, since the error of captures is
     /// larger by that factor. 0 turns it off
-    #[arg(long, value_name = "C", help_heading = "Irradiance cache")]
-    pub(super) contrast: Option<f32>,
+    #[arg(long, default_value_t = Settings::default().cache.contrast, allow_negative_numbers = true, value_name = "C", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) contrast: f32,
     /// Maximum records placed before uncovered pixels are searched again; a smaller number gives fewer records in more time.
     /// Default: all that the round's lattice of pixels needs
     #[arg(long, value_name = "N", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) batch: Option<u32>,
     /// Angle between normals, as √(1 − cos), at which a record's weight is zero
-    #[arg(long, value_name = "X", help_heading = "Irradiance cache", hide_short_help = true)]
-    pub(super) normal_limit: Option<f32>,
+    #[arg(long, default_value_t = Settings::default().cache.normal_limit, allow_negative_numbers = true, value_name = "X", help_heading = "Irradiance cache", hide_short_help = true)]
+    pub(super) normal_limit: f32,
     /// Whether neighbouring records limit a new record's radius
-    #[arg(long, value_enum, default_value = "clamp", help_heading = "Irradiance cache")]
+    #[arg(long, value_enum, default_value = "clamp", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) neighbours: NeighboursArg,
     /// Points hidden from a record, by the distances in the record's hemicube
-    #[arg(long, value_enum, default_value = "reject", help_heading = "Irradiance cache")]
+    #[arg(long, value_enum, default_value = "reject", help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) hidden: HiddenArg,
     /// Seed of the captures' random rotations
-    #[arg(long, default_value_t = 0, help_heading = "Irradiance cache")]
+    #[arg(long, default_value_t = 0, help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) seed: u32,
     /// Build and run every pass, needed or not (to check that leaving passes out changes no pixel)
     #[arg(long, hide_short_help = true, help_heading = "Device")]
@@ -135,6 +148,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub(super) talk: TalkArgs,
 }
+
+const SHORT_HELP: &str = "--help explains every flag, with units, examples and exit codes.";
 
 const HELP: &str = "\
 Units: a light of intensity I gives I·cosθ/d²; an emissive texel of value L is radiance L; nothing is scaled. Surfaces are

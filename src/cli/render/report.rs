@@ -1,5 +1,7 @@
-//! What a render says: the plan before it runs, the table after, and the files of `--stats` and `--trace`.
+//! What a render says: messages on the standard error output, the table of results on the standard output, and the files of
+//! `--stats` and `--trace`.
 
+use super::args::RenderArgs;
 use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
@@ -16,9 +18,13 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+/// Notes on the file that are shown without `-v`.
+const NOTES: usize = 6;
+
 /// Gathers what a run has to say.
 pub struct Report {
     talk: TalkArgs,
+    validates: bool,
     started: Instant,
     device: Arc<Device>,
     stages: Vec<(String, f64)>,
@@ -27,8 +33,15 @@ pub struct Report {
 
 impl Report {
     /// A run that began at `started`.
-    pub fn new(talk: TalkArgs, started: Instant, device: &Arc<Device>) -> Self {
-        Self { talk, started, device: device.clone(), stages: Vec::new(), rates: None }
+    pub fn new(args: &RenderArgs, started: Instant, device: &Arc<Device>) -> Self {
+        Self {
+            talk: args.talk,
+            validates: args.device.validate,
+            started,
+            device: device.clone(),
+            stages: Vec::new(),
+            rates: None,
+        }
     }
 
     /// Notes a stage of the CPU.
@@ -36,36 +49,42 @@ impl Report {
         self.stages.push((name.into(), length.as_secs_f64() * 1e3));
     }
 
-    /// Says what is rendered, on what, and what is left out.
+    /// Says what is rendered and on what, with the notes on the file.
     pub fn scene(&self, scene: &Scene, note: Option<&str>, settings: &Settings) {
         if self.talk.quiet {
             return;
         }
-        say!("device: {} ({})", self.device.physical.name, self.device.physical.driver.trim());
-        say!(
-            "scene: {}, {} triangles, {} × {} pixels",
-            scene.name,
-            scene.triangles.len(),
-            settings.width,
-            settings.height
-        );
-        note.into_iter().for_each(|note| say!("note: {note}"));
+        let Settings { width, height, .. } = settings;
+        remark!("{}: {} triangles, {width} × {height} pixels, {}", scene.name, scene.triangles.len(), self.name());
+        note.into_iter().for_each(|note| remark!("note: {note}"));
+        let shown = if self.talk.verbose { scene.notes.len() } else { scene.notes.len().min(NOTES) };
+        scene.notes[..shown].iter().for_each(|note| remark!("note: {note}"));
+        if shown < scene.notes.len() {
+            remark!("note: {} more notes on the file; -v shows them", scene.notes.len() - shown);
+        }
         if self.talk.verbose {
-            say!("note: {}", self.device.pipeline_cache_note());
-            scene.notes.iter().for_each(|note| say!("note: {note}"));
-        } else if !scene.notes.is_empty() {
-            say!("note: {} remarks on the file; -v shows them", scene.notes.len());
+            remark!("note: {}", self.device.pipeline_cache_note());
         }
     }
 
-    /// Says what runs, and what does not and why.
+    /// With `-v`, says what runs, and what does not and why.
     pub fn plan(&self, plan: &Plan) {
-        if self.talk.quiet {
+        if !self.talk.verbose {
             return;
         }
-        say!("plan: {}", plan.run().join(", "));
+        remark!("plan: {}", plan.run().join(", "));
         for left in plan.left_out() {
-            say!("left out: {} ({})", left.pass, left.why);
+            remark!("left out: {} ({})", left.pass, left.why);
+        }
+    }
+
+    /// The device, with its driver under `-v`.
+    fn name(&self) -> String {
+        let physical = &self.device.physical;
+        if self.talk.verbose {
+            format!("{} ({})", physical.name, physical.driver.trim())
+        } else {
+            physical.name.clone()
         }
     }
 
@@ -127,7 +146,7 @@ impl Report {
                     work.triangle_views / rendered.cache.records.max(1)
                 );
             }
-            if messages > 0 {
+            if self.validates {
                 say!("{messages} validation messages");
             }
         }

@@ -4,6 +4,7 @@ use super::Kind;
 use super::args::RenderArgs;
 use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
 use crate::cli::choices::{CaptureOptions, WeightArg};
+use hemicube::methods::captures::{PLANE_APERTURE, SLICES, SLICES_NEAR};
 use hemicube::passes::integrate::{Gradients, Radius};
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -16,22 +17,20 @@ impl RenderArgs {
         let (width, height) = image_size(camera, self.image.width, self.image.height);
         let mut settings =
             Settings { width, height, bounces: self.bounces, full_plan: self.full_plan, ..Settings::default() };
-        let set = |to: &mut f32, from: Option<f32>| *to = from.unwrap_or(*to);
-        let set_u32 = |to: &mut u32, from: Option<u32>| *to = from.unwrap_or(*to);
         let cache = &mut settings.cache;
-        set(&mut cache.accuracy, self.accuracy);
-        set(&mut cache.lod_error, self.lod_error);
-        set(&mut cache.min_radius, self.min_radius);
-        set(&mut cache.max_radius, self.max_radius);
-        set(&mut cache.covered, self.coverage);
-        set(&mut cache.contrast, self.contrast);
-        set(&mut cache.normal_limit, self.normal_limit);
-        set_u32(&mut cache.capture_size, self.capture_size);
+        cache.accuracy = self.accuracy;
+        cache.lod_error = self.lod_error;
+        cache.min_radius = self.min_radius;
+        cache.max_radius = self.max_radius;
+        cache.covered = self.coverage;
+        cache.contrast = self.contrast;
+        cache.normal_limit = self.normal_limit;
+        cache.capture_size = self.capture_size;
         cache.capture = self.capture.mode(&CaptureOptions {
-            aperture: self.aperture,
-            compensated: self.compensation == CompensationArg::On,
-            slices: self.slices,
-            slices_near: self.slices_near,
+            aperture: self.aperture.unwrap_or(PLANE_APERTURE),
+            compensated: self.compensation != Some(CompensationArg::Off),
+            slices: self.slices.unwrap_or(SLICES),
+            slices_near: self.slices_near.unwrap_or(SLICES_NEAR),
         });
         cache.seed = self.seed;
         cache.batch = self.batch;
@@ -47,12 +46,15 @@ impl RenderArgs {
         };
         cache.clamped = self.neighbours == NeighboursArg::Clamp;
         cache.hidden = self.hidden == HiddenArg::Reject;
-        set_u32(&mut settings.lights.area_samples, self.light_samples);
+        settings.lights.area_samples = self.light_samples;
         settings.surface_cells = self.surface_cells;
         settings.tessellation = self.tessellate;
         settings.counts_work = self.measure;
         settings.planes = match kind {
-            Kind::Exr => Plane::ALL.into_iter().filter(|p| self.layers.contains(layer_name(*p))).collect(),
+            Kind::Exr => {
+                let layers = self.layers.clone().unwrap_or_default();
+                Plane::ALL.into_iter().filter(|p| layers.contains(layer_name(*p))).collect()
+            }
             Kind::Png => vec![Plane::Final],
         };
         settings

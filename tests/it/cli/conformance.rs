@@ -32,7 +32,7 @@ fn is_good(file: &Path) -> bool {
 /// Says what is wrong with the end of `run`.
 fn complaint(file: &Path, run: &Run, limit: Duration) -> Option<String> {
     let expected = match run.code {
-        0 => run.err.is_empty() && !run.out.is_empty(),
+        0 => run.is_clean() && !run.out.is_empty(),
         2 => run.err.lines().count() == 1 && run.out.is_empty() && !is_good(file),
         _ => false,
     };

@@ -40,7 +40,7 @@ fn lamps_of_any_strength_give_a_picture() {
     for candela in [1e-3, 1.0, 54_351.4] {
         std::fs::write(folder.path().join("lamp.gltf"), floor(Some(candela))).unwrap();
         let run = hemicube(folder.path(), &format!("render lamp.gltf -o lamp.png {SIZE}"));
-        assert!(run.code == 0 && (run.out.clone() + &run.err).contains("exposure "), "{run:?}");
+        assert!(run.code == 0 && run.err.contains("exposure "), "{run:?}");
         let mean = mean(&folder.path().join("lamp.png"));
         assert!((80.0..180.0).contains(&mean), "{candela}: {mean}");
     }
@@ -56,5 +56,77 @@ fn a_scene_without_light_gives_a_warning_and_is_lit_on_demand() {
     assert!(run.code == 0 && run.err.contains("no light") && run.err.contains("--default-light"), "{run:?}");
     assert!(mean(&folder.path().join("dark.png")) < 5.0);
     let run = hemicube(folder.path(), &format!("render dark.gltf -o lit.png {SIZE} --default-light"));
-    assert!(run.code == 0 && run.err.is_empty() && mean(&folder.path().join("lit.png")) > 80.0, "{run:?}");
+    assert!(run.is_clean() && mean(&folder.path().join("lit.png")) > 80.0, "{run:?}");
+}
+
+/// Messages go to the standard error output and results to the standard output; the plan is for `-v`.
+#[test]
+fn messages_are_few_and_apart_from_results() {
+    let folder = folder();
+    let run = hemicube(folder.path(), &format!("render -o box.exr {SIZE}"));
+    assert!(run.is_clean() && run.err.lines().count() == 1 && run.err.contains("32 triangles"), "{run:?}");
+    assert!(run.out.contains("wrote box.exr") && !run.out.contains("left out"), "{run:?}");
+    let run = hemicube(folder.path(), &format!("render -o box.exr {SIZE} -v"));
+    assert!(run.is_clean() && run.err.contains("plan: ") && run.err.contains("left out: sky"), "{run:?}");
+    assert!(!run.err.contains('\u{1b}'), "no colours in a pipe: {run:?}");
+}
+
+#[test]
+fn flags_without_effect_get_a_note() {
+    let folder = folder();
+    let notes = |arguments: &str| {
+        let run = hemicube(folder.path(), arguments);
+        assert!(run.is_clean(), "{run:?}");
+        let flag =
+            |line: &str| line.strip_prefix("note: ")?.split_once(" has no effect").map(|(flag, _)| flag.to_owned());
+        run.err.lines().filter_map(flag).collect::<Vec<_>>()
+    };
+    let captures = "--aperture 90 --compensation off --slices 16 --slices-near 4 --background-rotation 20";
+    let words = |list: &str| list.split(' ').map(String::from).collect::<Vec<_>>();
+    assert_eq!(
+        notes(&format!("render -o box.exr {SIZE} --exposure 1 --tone srgb {captures}")),
+        words("--exposure --tone --aperture --compensation --slices --slices-near --background-rotation")
+    );
+    assert_eq!(notes(&format!("render -o box.png {SIZE} --layers N --capture plane --aperture 90")), ["--layers"]);
+    assert_eq!(notes(&format!("render -o box.png {SIZE} --capture slices --slices 16")), Vec::<String>::new());
+    assert_eq!(
+        notes(&format!("reference -o box.exr {SIZE} --spp 2 --rays 64 --weight bounded --no-gradient-limit")),
+        words("--rays --weight --no-gradient-limit")
+    );
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_by_their_range() {
+    let folder = folder();
+    for (arguments, words) in [
+        ("render -o box.exr --accuracy -1", "above 0"),
+        ("render -o box.exr --contrast -0.5", "from 0"),
+        ("reference -o box.exr --time 1e20", "1e9 seconds"),
+        ("convergence -o folder --reference-time 1e30", "1e9 seconds"),
+        ("render -o box.exr --time 1e30", "1e6 seconds"),
+    ] {
+        let run = hemicube(folder.path(), arguments);
+        assert!(run.code == 2 && run.err.contains(words) && !run.err.contains("panicked"), "{arguments}: {run:?}");
+    }
+}
+
+#[test]
+fn help_has_the_defaults_and_a_short_form() {
+    let folder = folder();
+    let defaults = hemicube::renderer::Settings::default();
+    let long = hemicube(folder.path(), "render --help").out;
+    for (flag, value) in [
+        ("--accuracy", defaults.cache.accuracy),
+        ("--contrast", defaults.cache.contrast),
+        ("--min-radius", defaults.cache.min_radius),
+        ("--lod-error", defaults.cache.lod_error),
+        ("--capture-size", defaults.cache.capture_size as f32),
+        ("--light-samples", defaults.lights.area_samples as f32),
+    ] {
+        let (_, help) = long.split_once(&format!("{flag} <")).unwrap();
+        let shown = help.split_once("[default: ").unwrap().1.split(']').next().unwrap();
+        assert_eq!(shown, value.to_string(), "{flag}");
+    }
+    let short = hemicube(folder.path(), "render -h").out;
+    assert!(short.lines().count() < 75 && short.contains("--help"), "{} lines\n{short}", short.lines().count());
 }

@@ -55,11 +55,17 @@ fn names(folder: &Path) -> Vec<PathBuf> {
     names
 }
 
-/// The run failed with `code` and one line that says `words`; the folder holds what it held.
+/// The run failed with `code` and one line that says `words`; where the scene was loaded,
+/// the line of what it is comes before, with notes.
 #[track_caller]
 fn assert_refused(run: &Run, code: i32, words: &str) {
     assert_eq!(run.code, code, "{run:?}");
-    assert!(run.err.lines().count() == 1 && run.err.starts_with("error: "), "not one line: {run:?}");
+    let (before, last) = run.err.trim_end().rsplit_once('\n').unwrap_or(("", &run.err));
+    let loaded = before
+        .lines()
+        .enumerate()
+        .all(|(i, line)| line.starts_with("note: ") || i == 0 && line.contains(" triangles, "));
+    assert!(last.starts_with("error: ") && loaded, "not one line: {run:?}");
     assert!(run.err.contains(words), "lacks {words:?}: {}", run.err);
     assert!(run.err.len() < 500, "a long line: {}", run.err);
 }

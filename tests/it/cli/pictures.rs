@@ -9,7 +9,7 @@ fn triangles_without_area_show_the_background() {
     let arguments = "render flat.gltf -o flat.exr --width 16 --height 16 --background 1,2,3 --layers all -v";
     let run = hemicube(folder.path(), arguments);
     assert_eq!(run.code, 0, "{run:?}");
-    assert!(run.out.contains("area"), "no note: {}", run.out);
+    assert!(run.err.contains("area"), "no note: {}", run.err);
     let picture = hemicube::image::exr::read(&folder.path().join("flat.exr")).unwrap();
     assert!(picture.non_finite().is_empty());
     let [r, g, b] = picture.rgb("").unwrap();
@@ -26,7 +26,7 @@ fn a_scene_without_camera_is_framed_and_says_so() {
     let folder = folder();
     let run =
         hemicube(folder.path(), "render good.gltf -o good.exr --width 16 --height 16 --background 1,1,1 --layers mask");
-    assert!(run.code == 0 && run.out.contains("no camera"), "{run:?}");
+    assert!(run.code == 0 && run.err.contains("no camera"), "{run:?}");
     let picture = hemicube::image::exr::read(&folder.path().join("good.exr")).unwrap();
     assert!(picture.scalar("mask").unwrap().contains(&1.0), "the triangle is in the picture");
 }

@@ -12,7 +12,7 @@ fn statistics_and_trace_explain_the_time() {
         folder.path(),
         "render -o out.exr --width 96 --height 96 --validate --stats stats.json --trace trace.json",
     );
-    assert!(run.code == 0 && run.err.is_empty(), "{run:?}");
+    assert!(run.is_clean() && run.out.contains("\n0 validation messages"), "{run:?}");
     let stats = read_json(&folder.path().join("stats.json"));
     let promised = "version device driver scene plan records rounds passes gpu_ms wall_ms memory validation_messages";
     promised.split(' ').for_each(|key| assert!(stats.get(key).is_some(), "{key}"));

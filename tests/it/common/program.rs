@@ -14,6 +14,17 @@ pub struct Run {
     pub time: Duration,
 }
 
+impl Run {
+    /// Whether it succeeded, and printed no warning, validation message or panic among its messages.
+    pub fn is_clean(&self) -> bool {
+        let is_bad = |line: &str| {
+            ["warning:", "error:"].iter().any(|label| line.starts_with(label))
+                || ["VUID", "panicked", "Validation"].iter().any(|word| line.contains(word))
+        };
+        self.code == 0 && !self.err.lines().any(is_bad)
+    }
+}
+
 /// Runs `hemicube` in `folder` with the words of `arguments`.
 pub fn hemicube(folder: &Path, arguments: &str) -> Run {
     hemicube_with(folder, arguments, &[])
