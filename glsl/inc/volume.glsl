@@ -28,20 +28,6 @@ uint volume_cell(ivec2 at) {
     return uint(at.y * side + at.x);
 }
 
-vec2 volume_moments(uint moments, vec3 way) {
-    vec2 p = way.xy / (abs(way.x) + abs(way.y) + abs(way.z));
-    if (way.z < 0.0) p = (1.0 - abs(p.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(p, vec2(0.0)));
-    vec2 at = (p + 1.0) * (0.5 * float(VOLUME_SIDE)) - 0.5, low = floor(at), f = at - low;
-    vec2 sum = vec2(0.0);
-    for (int i = 0; i < 4; ++i) {
-        ivec2 upper = ivec2(i & 1, i >> 1);
-        vec2 share = mix(1.0 - f, f, vec2(upper));
-        uint cell = moments + 2 * volume_cell(ivec2(low) + upper);
-        sum += share.x * share.y * vec2(volume_samples[cell], volume_samples[cell + 1]);
-    }
-    return sum;
-}
-
 // How much of the distances with these moments reaches as far as `distance_` (hemicube::volume::visibility).
 float volume_reaching(float distance_, vec2 moments) {
     if (distance_ <= moments.x) return 1.0;
@@ -50,11 +36,29 @@ float volume_reaching(float distance_, vec2 moments) {
     return weight < 0.2 ? weight * weight * weight / 0.04 : weight;
 }
 
+const float VOLUME_HIDDEN = 1e-9;
+
+// Geometric mean over the cells of directions around that of `offset`.
+float volume_open(uint moments, vec3 offset, float distance_) {
+    vec2 p = offset.xy / (abs(offset.x) + abs(offset.y) + abs(offset.z));
+    if (offset.z < 0.0) p = (1.0 - abs(p.yx)) * mix(vec2(-1.0), vec2(1.0), greaterThanEqual(p, vec2(0.0)));
+    vec2 at = (p + 1.0) * (0.5 * float(VOLUME_SIDE)) - 0.5, low = floor(at), f = at - low;
+    float sum = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 upper = ivec2(i & 1, i >> 1);
+        vec2 share = mix(1.0 - f, f, vec2(upper));
+        uint cell = moments + 2 * volume_cell(ivec2(low) + upper);
+        float reaching = volume_reaching(distance_, vec2(volume_samples[cell], volume_samples[cell + 1]));
+        sum += share.x * share.y * log(max(reaching, VOLUME_HIDDEN));
+    }
+    return exp(sum);
+}
+
 float volume_visibility(uint first, vec3 offset, bool guarded) {
-    if (volume_samples[first + 3] != 0.0) return 1e-12;
+    if (volume_samples[first + 3] != 0.0) return 1e-14;
     float distance_ = length(offset);
     if (!guarded || HAS_MOMENTS == 0 || distance_ == 0.0) return 1.0;
-    return 1e-6 + (1.0 - 1e-6) * volume_reaching(distance_, volume_moments(first + 4, offset));
+    return volume_open(first + 4, offset, distance_);
 }
 
 // Radiance coefficients at a point of the box.

@@ -5,9 +5,9 @@ use crate::math::octahedron;
 use glam::DVec3;
 
 /// Weight of a sample that a wall hides: enough that a point which sees none has light at all, and no more.
-pub const HIDDEN: f64 = 1e-6;
+pub const HIDDEN: f64 = 1e-9;
 /// The same of a sample inside of geometry.
-const INSIDE: f64 = 1e-12;
+const INSIDE: f64 = 1e-14;
 /// Weights below this are pressed towards 0 (Majercik et al. 2019 do so to what is left of hidden probes).
 const CRUSH: f64 = 0.2;
 
@@ -15,7 +15,8 @@ const CRUSH: f64 = 0.2;
 ///
 /// The share of the distances in the point's direction that reach as far as the point is at most σ²/(σ² + (d − m)²), by their
 /// mean m and variance σ² (Chebyshev's inequality, one-sided; Donnelly and Lauritzen 2006). Its third power makes up for the
-/// bound's being loose.
+/// bound's being loose. Of the cells of directions around the point's the weights' geometric mean is taken: beside one that a wall
+/// fills another one sees past the wall's horizon, far away, and would open it where moments are mixed.
 pub fn weight(sample: &Sample, point: DVec3, guard: bool) -> f64 {
     if sample.state == State::Inside {
         return INSIDE;
@@ -25,11 +26,11 @@ pub fn weight(sample: &Sample, point: DVec3, guard: bool) -> f64 {
     if !guard || sample.moments.is_empty() || distance == 0.0 {
         return 1.0;
     }
-    let mut moments = [0.0; 2];
-    for (cell, share) in octahedron::around(offset) {
-        moments.iter_mut().zip(sample.moments[cell]).for_each(|(sum, value)| *sum += share * f64::from(value));
-    }
-    HIDDEN + (1.0 - HIDDEN) * reaching(distance, moments)
+    let log = |(cell, share): (usize, f64)| {
+        let moments = sample.moments[cell].map(f64::from);
+        share * reaching(distance, moments).max(HIDDEN).ln()
+    };
+    octahedron::around(offset).into_iter().map(log).sum::<f64>().exp()
 }
 
 /// How much of the distances with these moments reaches as far as `distance`.

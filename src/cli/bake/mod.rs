@@ -1,4 +1,4 @@
-//! `hemicube bake`: light for engines and tools, one file a kind.
+//! `hemicube bake`: light for engines and tools.
 
 mod volume;
 

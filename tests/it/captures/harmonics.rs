@@ -190,7 +190,7 @@ fn irradiance_in_the_cornell_box_is_another_renderers() {
     let mut recorder = Recorder::new(&device);
     let axes = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
     for capture in WAYS {
-        let probes = SphereProbes::new(&device, &mut recorder, &scene, &settings(capture, 3)).unwrap();
+        let probes = SphereProbes::new(&device, &mut recorder, &scene, &settings(capture, 5)).unwrap();
         let found = probes.measure(&mut recorder, &places, |_| {}).unwrap();
         let (mut off, mut sum, mut energy, mut of_sh, mut all_sh) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for (probe, point) in found.iter().zip(points) {
