@@ -1,4 +1,5 @@
 // Distances that captures see, cell by cell of an octahedral map of the directions (math::octahedron): the moments of the distance,
+// weighted by solid angle over its square, so that what is near counts where a cell also sees past its edge;
 // the solid angle of triangles' backs, and the nearest. One workgroup a record, one invocation a cell; every sum has a fixed order.
 #extension GL_GOOGLE_include_directive : require
 const uint CELLS = 64;
@@ -33,8 +34,8 @@ void main() {
         uint at = STRIDE * (base + floatBitsToUint(member.x));
         float inverse_distance = gathered_value(at).w;
         float r = 1.0 / max(inverse_distance, 1.0 / push.farthest);
-        moments += member.y * vec2(r, r * r);
-        whole += member.y;
+        moments += member.y * vec2(1.0 / r, 1.0);
+        whole += member.y / (r * r);
         if (is_back(gathered_value(at + STRIDE - 1).w)) backs += member.y;
         nearness = max(nearness, inverse_distance);
     }

@@ -25,7 +25,7 @@ struct Push {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Distances {
-    /// Mean distance, and mean square of the distance. What is farther than the farthest counts as that.
+    /// Mean distance, and mean square of the distance, by solid angle over the distance's square. What is farther than the farthest counts as that.
     pub moments: [f32; 2],
     /// Solid angle of triangles whose back is seen, sr.
     pub backs: f32,

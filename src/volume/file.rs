@@ -20,7 +20,7 @@
 //! - `gradients`: of each coefficient its derivatives along x, y and z, per unit of length. Left out, or null, if not asked for.
 //! - `back_face_share`: share of the sphere in which backs of triangles are seen.
 //! - `harmonic_mean_distance`: of what is seen, by solid angle; null where nothing but the sky is.
-//! - `distance_moments`: mean distance and mean square of it in each cell of an octahedral map of 8 × 8 directions (row by row; the
+//! - `distance_moments`: mean distance and mean square of it, by solid angle over its square, in each cell of an octahedral map of 8 × 8 directions (row by row; the
 //!   cell of a direction d is at (d.xy/(|x| + |y| + |z|), folded where z < 0), from −1 to 1). Left out, or null, if not kept.
 //! - `state`: `free`; `moved` away from its corner, which is inside of geometry; `inside` of geometry: not to be used.
 //! - `cells`: the box in `divisions` cells along each axis, each the root of an octree; of the cells that are not cut any further the

@@ -54,7 +54,7 @@ pub struct Sample {
     pub back_share: f32,
     /// 1/R: R is the harmonic mean, by solid angle, of the distances that are seen. 0 where nothing but the sky is.
     pub inverse_distance: f32,
-    /// Mean distance and mean square of the distance in each cell of [`crate::math::octahedron`]. Empty if they were not kept.
+    /// Mean distance and mean square of the distance, by solid angle over the distance's square, in each cell of [`crate::math::octahedron`]. Empty if they were not kept.
     pub moments: Vec<[f32; 2]>,
     /// Where it stands.
     pub state: State,

@@ -61,10 +61,10 @@ pub fn file(grid: &Grid) -> Vec<u8> {
 fn descriptor() -> Vec<u32> {
     const SAMPLES: u32 = 6;
     let size = 24 + 16 * SAMPLES;
-    let mut words = vec![size + 4, 0, 2 | size << 16, 1 | 1 << 8 | 1 << 16, 0, 4, 0];
+    let mut words = vec![size + 4, 0, 2 | (size << 16), 1 | (1 << 8) | (1 << 16), 0, 4, 0];
     for channel in 0..3 {
-        let mantissa = [9 * channel | 8 << 16 | channel << 24, 0, 0, 8448];
-        let exponent = [27 | 4 << 16 | (channel | 0x20) << 24, 0, 15, 31];
+        let mantissa = [(9 * channel) | (8 << 16) | (channel << 24), 0, 0, 8448];
+        let exponent = [27 | (4 << 16) | ((channel | 0x20) << 24), 0, 15, 31];
         words.extend(mantissa.into_iter().chain(exponent));
     }
     words

@@ -18,7 +18,7 @@ const INSET: f64 = 0.01;
 /// What is seen in one cell of [`crate::math::octahedron`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Mean distance and mean square of it.
+    /// Mean distance and mean square of it, by solid angle over its square.
     pub moments: [f32; 2],
     /// Solid angle of triangles' backs, sr.
     pub backs: f32,

@@ -16,12 +16,12 @@ fn to_cube(d: DVec3) -> f64 {
     1.0 / d.abs().max_element()
 }
 
-/// Means of the distance and of its square over each cell.
+/// Means of the distance and of its square over each cell, by solid angle over the distance's square.
 fn of_cube() -> Vec<[f64; 2]> {
     let mut sums = vec![[0.0; 3]; CELLS];
     for (d, weight) in sphere_rule(120) {
         let sum = &mut sums[octahedron::cell(d)];
-        [1.0, to_cube(d), to_cube(d).powi(2)].iter().zip(sum).for_each(|(v, sum)| *sum += weight * v);
+        [to_cube(d).powi(-2), to_cube(d).recip(), 1.0].iter().zip(sum).for_each(|(v, sum)| *sum += weight * v);
     }
     sums.iter().map(|[weight, first, second]| [first / weight, second / weight]).collect()
 }
