@@ -19,8 +19,9 @@ pub use settings::{Settings, SettingsError, ViewSettings};
 
 use crate::image::Picture;
 use crate::methods::captures::NoSlices;
-use crate::methods::irradiance_cache::CacheStats;
+use crate::methods::irradiance_cache::{CacheSettings, CacheStats};
 use crate::methods::light_samples::TooManyLights;
+use crate::methods::records::Records;
 use crate::scene::{Camera, Scene};
 use crate::vk::pass::{PassTime, Recorder};
 use crate::vk::{Device, Error as VulkanError, MemoryUse, Span};
@@ -88,8 +89,9 @@ pub fn render(
 /// A scene on the device, ready to be looked at from anywhere.
 ///
 /// What it holds follows from the scene and from the settings that it was opened with, not from any camera: geometry, the tree
-/// that captures walk, textures, the sky, light samples, and the lit surface. The first view lights the surface; later views take
-/// it as it is.
+/// that captures walk, textures, the sky, light samples, the lit surface, and records. The first view lights the surface; later views
+/// take it as it is. They start from the records that there are, unless other settings of the cache ask for other records, and keep
+/// those that they add.
 ///
 /// ```
 /// use hemicube::{renderer::{Renderer, Settings}, scene, vk};
@@ -115,6 +117,9 @@ pub struct Renderer<'a> {
     plan: Plan,
     warnings: Vec<String>,
     surface: Surface,
+    records: Option<Records>,
+    /// How the records were made.
+    records_by: CacheSettings,
     view: Option<View>,
     clock: Clock,
 }
@@ -147,9 +152,28 @@ impl<'a> Renderer<'a> {
         let Prepared { scene, arrangement, mut plan, mut warnings } = prepared;
         let surface = Surface::new(device, &scene, arrangement, &mut plan, &settings, &mut clock)?;
         warnings.extend(surface.note());
+        let records = new_records(device, &plan, &surface, &settings)?;
         clock.lap("build lights");
         on_progress("build lights", 1, 1);
-        Ok(Self { device: device.clone(), scene, settings, plan, warnings, surface, view: None, clock })
+        Ok(Self {
+            device: device.clone(),
+            scene,
+            records_by: settings.cache,
+            settings,
+            plan,
+            warnings,
+            surface,
+            records,
+            view: None,
+            clock,
+        })
+    }
+
+    /// Forgets the records of all views so far: the next one is what a view on its own would be.
+    pub fn forget_records(&mut self) {
+        if let Some(records) = &mut self.records {
+            records.truncate(0);
+        }
     }
 
     /// What runs for a view, and what does not.
@@ -183,10 +207,16 @@ impl<'a> Renderer<'a> {
         self.surface.light(&mut recorder, &self.scene, &view.pixel_lights, on_progress)?;
         let cache = loop {
             let ground = self.surface.ground(&self.scene);
-            match view.run_cache(&mut recorder, &ground, &eyes, on_progress) {
+            let before = self.records.as_ref().map_or(0, Records::count);
+            let stats = view.run_cache(&mut recorder, &ground, &eyes, self.records.as_mut(), on_progress);
+            if let (Err(_), Some(records)) = (&stats, &mut self.records) {
+                records.truncate(before);
+            }
+            match stats {
                 Err(VulkanError::LoopsEnded { shared }) => {
                     self.give_way(Fallback::of_loops(shared, &settings)?, &mut settings);
-                    view.build_cache(&self.device, &self.surface, &self.scene, &self.plan, &settings)?;
+                    let records = self.records.as_ref();
+                    view.build_cache(&self.device, &self.surface, &self.scene, &self.plan, &settings, records)?;
                 }
                 stats => break stats?,
             }
@@ -214,7 +244,11 @@ impl<'a> Renderer<'a> {
         }
         self.plan = self.plan.clone().of_view(settings);
         check_memory(&self.device, &self.scene, &self.surface.size, &self.plan, settings)?;
-        let view = View::new(&self.device, &self.surface, &self.scene, &self.plan, settings)?;
+        if self.records_by != settings.cache {
+            self.records = new_records(&self.device, &self.plan, &self.surface, settings)?;
+            self.records_by = settings.cache;
+        }
+        let view = View::new(&self.device, &self.surface, &self.scene, &self.plan, settings, self.records.as_ref())?;
         self.clock.lap("build passes");
         Ok(view)
     }
@@ -223,10 +257,22 @@ impl<'a> Renderer<'a> {
     fn give_way(&mut self, fallback: Fallback, settings: &mut Settings) {
         fallback.apply(settings);
         fallback.apply(&mut self.settings);
+        self.records_by = settings.cache;
         self.plan = fallback.plan(self.plan.clone());
         self.warnings.push(fallback.warning());
         self.clock.lap("captures in compute, given up");
     }
+}
+
+/// An empty store for the records of such views, if they have any.
+fn new_records(
+    device: &Arc<Device>,
+    plan: &Plan,
+    surface: &Surface,
+    settings: &Settings,
+) -> Result<Option<Records>, VulkanError> {
+    let new = || Records::new(device, settings.cache.kept(surface.sky.is_some()));
+    plan.captures.then(new).transpose()
 }
 
 /// A scene that is cut and arranged as its plan says, before any of it is on the device.

@@ -1,12 +1,13 @@
-// Pixels of a lattice that no record covers yet, or whose records disagree, in scan order. Three dispatches share this shader: count by workgroup,
-// sum the counts (one workgroup), write the pixels. Prefix sums instead of atomics: the same order every time.
+// Pixels of a lattice that no record covers yet, or whose records disagree, in scan order. Three dispatches share this shader: count
+// by workgroup, sum the counts (one workgroup), write the pixels. Prefix sums instead of atomics: the same order every time. A fourth
+// one marks the pixels that earlier views' records cover: these views decided how many records are enough there.
 #version 460
 #extension GL_EXT_samplerless_texture_functions : require
 #extension GL_GOOGLE_include_directive : require
 #include "inc/invocation.glsl"
 const uint GROUP = 128;  // every device runs as many (maxComputeWorkGroupInvocations)
 layout(local_size_x = GROUP) in;
-layout(constant_id = 0) const uint PHASE = 0;  // 0 count, 1 sum, 2 write
+layout(constant_id = 0) const uint PHASE = 0;  // 0 count, 1 sum, 2 write, 3 mark
 layout(constant_id = 1) const uint HAS_CONTRAST = 0;
 
 layout(set = 0, binding = 0) uniform texture2D gbuffer_position;
@@ -14,6 +15,7 @@ layout(set = 0, binding = 1) uniform texture2D accumulated;
 layout(set = 0, binding = 2, std430) buffer Groups { uint groups[]; };
 layout(set = 0, binding = 3, std430) buffer Found { uint found_count; uint pixels[]; };
 layout(set = 0, binding = 4) uniform texture2D tally;  // of the splats
+layout(set = 0, binding = 5, std430) buffer Settled { uint settled[]; };  // a bit a pixel: earlier views' records cover it
 layout(push_constant) uniform Push { uvec2 size; uvec2 offset; uvec2 lattice; uint stride; float covered; float contrast; } push;
 
 shared uint sums[GROUP];
@@ -65,8 +67,13 @@ void main() {
     bool open = inside && texelFetch(gbuffer_position, ivec2(pixel), 0).w == 1.0;
     if (open) {
         float weight = texelFetch(accumulated, ivec2(pixel), 0).w;
-        open = weight < push.covered || (HAS_CONTRAST != 0 && push.contrast > 0.0 && disputed(ivec2(pixel), weight));
+        bool bare = weight < push.covered;
+        uint number = pixel.y * push.size.x + pixel.x;
+        if (PHASE == 3 && !bare) atomicOr(settled[number / 32], 1u << number % 32);
+        bool asks = HAS_CONTRAST != 0 && push.contrast > 0.0 && !bare && (settled[number / 32] >> number % 32 & 1u) == 0;
+        open = bare || (asks && disputed(ivec2(pixel), weight));
     }
+    if (PHASE == 3) return;
     uint inclusive = prefix_sum(open ? 1 : 0);
     if (PHASE == 0) {
         if (gl_LocalInvocationID.x == GROUP - 1) groups[group] = inclusive;

@@ -89,15 +89,60 @@ bvec4 clearly_before(ShadowPlace s, vec4 stored, vec4 plane) {
     return greaterThan(stored, clamp(plane, vec4(s.here), vec4(s.furthest)) + s.slack);
 }
 
+// Of depths z_r of a point and z_b of what the map shows nearest to the light about it: z_r/z_b − 1.
+float occluder_nearness(ShadowPlace s, vec4 stored) {
+    return max(max(stored.x, stored.y), max(stored.z, stored.w)) / s.here - 1.0;
+}
+
 // `has_own`: `is_lit` will be told the point's own triangle. Then what the map cannot tell from the tangent plane, beside what
 // lies behind that, may be another surface that ends just there, such as the ceiling over a wall.
-uint shadow_at(uint tile, vec3 p, vec3 n, bool has_own) {
+uint shadow_at(uint tile, vec3 p, vec3 n, bool has_own, out float nearness) {
     ShadowPlace s = shadow_place(tile, p, n);
     vec4 stored = shadow_depths(s.corner), plane = plane_depths(s);
+    nearness = occluder_nearness(s, stored);
     bvec4 behind = lessThan(stored, plane - s.grain);
     bool lit = s.outside || all(lessThanEqual(stored, plane + s.grain));
     if (has_own && any(behind) && !all(behind)) lit = s.outside;
     return lit ? LIT : all(clearly_before(s, stored, plane)) ? DARK : CLOSE;
+}
+
+// The place moved over the map by `texels`, seen from there as the same tangent plane.
+ShadowPlace moved(ShadowPlace s, uint tile, vec2 texels) {
+    vec2 tile_corner = vec2(tile % SHADOW_COLUMNS, tile / SHADOW_COLUMNS) * float(SHADOW_SIZE);
+    vec2 from = vec2(s.corner.xy) - tile_corner, to = from + s.texel + texels;
+    vec2 corner = clamp(floor(to + 0.5), vec2(2.0), vec2(float(SHADOW_SIZE) - 2.0));
+    s.plane += dot(s.step_, corner - from);
+    s.texel = clamp(to - corner, vec2(-0.5), vec2(0.5));
+    s.corner.xy = ivec2(tile_corner + corner);
+    return s;
+}
+
+// Places of a disc that each sample looks at; samples beside each other are turned.
+const uint DISC_PLACES = 3;
+const float DISC_RADIUS = 0.7071;  // half of the disc's area lies within
+const float GOLDEN_ANGLE = 2.3999632;
+// Smaller discs, in texels, are decided by their middle.
+const float SMALLEST_DISC = 1.0;
+
+// Share of a disc about a sample that a point sees, from the map alone (Reeves, Salesin and Cook 1987; its size by the occluder's
+// distance: Fernando 2005). `nearness`: of what hides it, as `occluder_nearness`. What is much closer to the point hides all of the
+// disc or nothing: `middle`, whether its middle is seen, decides.
+float seen_share(uint tile, vec3 p, vec3 n, float radius, float nearness, bool middle) {
+    ShadowPlace s = shadow_place(tile, p, n);
+    // 1/z_r is here/near; a texel is 2/size of tangents over the frame's scale.
+    float texels = radius * nearness * s.here / frames[tile].origin.w * frames[tile].tangent.w * 0.5 * float(SHADOW_SIZE);
+    if (s.outside || texels < SMALLEST_DISC) return middle ? 1.0 : 0.0;
+    float seen = 0.0;
+    for (uint i = 0; i < DISC_PLACES; ++i) {
+        float turn = GOLDEN_ANGLE * float(tile) + 2.0 * PI / float(DISC_PLACES) * float(i);
+        ShadowPlace there = moved(s, tile, DISC_RADIUS * texels * vec2(cos(turn), sin(turn)));
+        vec4 stored = shadow_depths(there.corner);
+        bvec4 before = clearly_before(there, stored, plane_depths(there));
+        bvec4 is_close = lessThan(stored, vec4(s.here * (1.0 + 0.5 * nearness)));
+        vec4 weights = (0.5 + 2.0 * GATHERED_X * there.texel.x) * (0.5 + 2.0 * GATHERED_Y * there.texel.y);
+        seen += dot(weights, mix(vec4(not(before)), vec4(middle), vec4(before) * vec4(is_close)));
+    }
+    return seen / float(DISC_PLACES);
 }
 
 uint identity_at(ivec3 texel) { return texelFetch(shadow_identity, texel, 0).x - 1; }

@@ -45,9 +45,6 @@ layout(push_constant) uniform Push {
     uint tile_size;
     uint columns;
     float inverse_weight;  // 1/Σ of the cosine weights
-    float accuracy;      // Ward's a
-    float min_radius;    // of the zone of influence, in pixels
-    float max_radius;
     float scene_radius;  // R of a record that sees nothing
 } push;
 
@@ -171,9 +168,8 @@ void slide(uint record, Frame frame) {
     put3(BEND + 6, sum.yy);
 }
 
-// What a record carries of the light whose sums start at `first`; beyond the radius that the gradient is good for, it is
-// damped to stay bounded.
-Payload payload(Frame frame, uint first, float damping, float share) {
+// What a record carries of the light whose sums start at `first`.
+Payload payload(Frame frame, uint first) {
     Payload p;
     p.irradiance = vec4(sums3(first), 1.0);
     for (uint c = 0; c < 3; ++c) {
@@ -181,7 +177,7 @@ Payload payload(Frame frame, uint first, float damping, float share) {
         vec3 turn = HAS_ROTATION != 0 ? vec3(sums[r], sums[r + 3], 0.0) : vec3(0.0);
         vec3 slope = HAS_TRANSLATION != 0 ? vec3(sums[t], sums[t + 3], 0.0) : vec3(0.0);
         p.rotation[c] = vec4(to_world(frame, turn), PI * sums[first + PEAK + c]);
-        p.translation[c] = vec4(to_world(frame, slope) * damping, share);
+        p.translation[c] = vec4(to_world(frame, slope), 0.0);
     }
     return p;
 }
@@ -230,13 +226,8 @@ void main() {
     if (gl_LocalInvocationID.x > 0) return;
     float inverse_r = sums[3] * push.inverse_weight;
     float r = BY_HESSIAN != 0 ? hessian_r(inverse_r) : harmonic_r(inverse_r);
-    float wanted = push.accuracy * r, footprint = records[record].geometric.w;
-    float radius = clamp(wanted, push.min_radius * footprint, push.max_radius * footprint);
-    // A linear change is good for something up to R, where what it leaves out is half of E, whatever the accuracy. In a
-    // zone that is wider still, it is damped.
-    float damping = min(1.0, r / radius), share = min(1.0, wanted / radius);
-    payloads[(HAS_SKY + 1) * record] = payload(frame, 0, damping, share);
-    if (HAS_SKY != 0) payloads[2 * record + 1] = payload(frame, LIGHT, damping, share);
-    records[record].position.w = radius;
+    payloads[(HAS_SKY + 1) * record] = payload(frame, 0);
+    if (HAS_SKY != 0) payloads[2 * record + 1] = payload(frame, LIGHT);
+    records[record].position.w = r;
     records[record].normal.w = inverse_r;
 }

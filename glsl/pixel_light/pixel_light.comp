@@ -46,24 +46,58 @@ Unshadowed sample_light(uint l, Receiver at) {
     return Unshadowed(dot(at.geometric, light.direction) > 0.0 ? irradiance : vec3(0.0), unit);
 }
 
+// `occluder_nearness` of each sample of a group.
+float near[32];
+
+// In a penumbra each sample stands for a disc of the emitter, of which the receiver sees a share: without it the shadow's edge
+// would be as many steps as there are samples. `lit`, `dark`: what the samples' middles are, a bit each.
+vec3 penumbra_light(uint first, uint lit, uint dark, Receiver at) {
+    vec3 lifted = at.position + at.geometric * push.lift, sum = vec3(0.0);
+    float mean = 0.0;
+    for (uint rest = dark; rest != 0; rest &= rest - 1) mean += near[findLSB(rest)] / float(bitCount(dark));
+    for (uint rest = lit | dark; rest != 0; rest &= rest - 1) {
+        uint i = findLSB(rest), l = first + i;
+        vec3 d = lights[l].position.xyz - at.position;
+        float facing = max(-dot(normalize(d), lights[l].direction.xyz), 0.0);
+        bool middle = (lit >> i & 1u) != 0;
+        float radius = sqrt(lights[l].position.w * facing);
+        sum += sample_light(l, at).irradiance
+             * seen_share(l, lifted, at.geometric, radius, middle ? mean : near[i], middle);
+    }
+    return sum;
+}
+
 // Sum over the samples from `first` to `end`; `open`: over samples of radiance 1 without shadows.
 vec3 samples_light(uint first, uint end, Receiver at, out float open) {
     vec3 lifted = at.position + at.geometric * push.lift, sum = vec3(0.0);
     open = 0.0;
     for (; first < end; first += 32) {
-        uint close = 0, count = min(32, end - first);
+        uint close = 0, lit = 0, dark = 0, count = min(32, end - first);
+        vec3 part = vec3(0.0);
         for (uint i = 0; i < count; ++i) {
             Unshadowed light = sample_light(first + i, at);
             open += light.unit;
             if (light.irradiance == vec3(0.0)) continue;
-            uint shadow = shadow_at(first + i, lifted, at.geometric, false);
-            if (shadow == LIT) sum += light.irradiance;
-            if (shadow == CLOSE) close |= 1u << i;
+            uint shadow = shadow_at(first + i, lifted, at.geometric, false, near[i]);
+            if (shadow == LIT) {
+                part += light.irradiance;
+                lit |= 1u << i;
+            } else if (shadow == CLOSE) {
+                close |= 1u << i;
+            } else {
+                dark |= 1u << i;
+            }
         }
         for (; close != 0; close &= close - 1) {
-            uint l = first + findLSB(close);
-            if (is_lit(l, NO_TRIANGLE, lifted, at.geometric)) sum += sample_light(l, at).irradiance;
+            uint i = findLSB(close);
+            if (is_lit(first + i, NO_TRIANGLE, lifted, at.geometric)) {
+                part += sample_light(first + i, at).irradiance;
+                lit |= 1u << i;
+            } else {
+                dark |= 1u << i;
+            }
         }
+        sum += LIGHT_KIND == LIGHT_AREA && lit != 0 && dark != 0 ? penumbra_light(first, lit, dark, at) : part;
     }
     return sum;
 }

@@ -13,8 +13,6 @@ layout(set = 0, binding = 2, std430) readonly buffer Found { uint found_count; u
 layout(set = 0, binding = 3, std430) writeonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 4, std430) writeonly buffer Records { Record records[]; };
 layout(push_constant) uniform Push {
-    vec4 eye;          // xyz; w: 0 for parallel views
-    vec4 forward;      // xyz; w: pixel footprint at distance 1 (or anywhere, for parallel views)
     uint first;        // of the found pixels
     uint count;
     uint width;
@@ -66,10 +64,9 @@ void main() {
     frame.horizon = vec4(ng, -dot(ng, origin));
     frames[at] = frame;
 
-    float footprint = push.forward.w * (push.eye.w == 0.0 ? 1.0 : dot(p - push.eye.xyz, push.forward.xyz));
     Record record;
     record.position = vec4(p, 0.0);
     record.normal = vec4(n, 0.0);
-    record.geometric = vec4(ng, footprint);
+    record.geometric = vec4(ng, 0.0);
     records[at] = record;
 }

@@ -11,18 +11,32 @@ struct Frame {
     vec4 horizon;    // plane (n, -n·origin): only points with a positive distance are seen; (0, 0, 0, 1) sees all
 };
 
-// An irradiance record's place and validity.
+// A record of a batch: its place and validity.
 struct Record {
-    vec4 position;   // xyz; w: radius of the zone of influence
+    vec4 position;   // xyz; w: R, in world units, without any limit
     vec4 normal;     // shading normal; w: 1/R, harmonic mean distance, cosine-weighted, not clamped
-    vec4 geometric;  // geometric normal on the viewer's side; w: footprint of a pixel here
+    vec4 geometric;  // geometric normal on the viewer's side
+};
+
+// A record that is kept for any view: where it is, how far it is good for and what its capture saw of its horizon.
+struct Kept {
+    vec4 position;   // xyz; w: R, in world units, without any limit
+    vec4 normal;     // shading normal; w: 1/R, harmonic mean distance, cosine-weighted, not clamped
+    vec4 geometric;  // geometric normal; w: largest 1/(forward distance) of the horizon (inc/horizon.glsl), 0 without one
+    vec4 tangent;    // first axis of the capture
+};
+
+// What an index of kept records holds of each: enough to clamp its neighbours.
+struct Entry {
+    vec4 place;   // xyz; w: R; negative: the record is not a number and serves nothing
+    uvec4 about;  // shading normal, octahedral; the record's number; its reach in world units, as its neighbours clamp it (bits)
 };
 
 // What a record carries, once for the light by one reflection and, where there is a sky, once for the sky's own.
 struct Payload {
     vec4 irradiance;      // W·m⁻²
     vec4 rotation[3];     // rotation gradient, a world-space vector a colour channel; w: most that the channel can be, π·L_max
-    vec4 translation[3];  // translation gradient, likewise; w of the first: the share of it that the radius allows
+    vec4 translation[3];  // translation gradient, likewise
 };
 
 // One sample of a light: a punctual light, or a point on an emissive triangle.

@@ -8,17 +8,17 @@
 layout(constant_id = 0) const uint HAS_SKY = 0;
 layout(constant_id = 1) const uint HAS_GRADIENTS = 1;
 layout(constant_id = 2) const uint WEIGHT = 0;        // 0 bounded (Tabellion and Lamorlette 2004), 1 Ward 1988
-layout(constant_id = 3) const uint SEEN_SIZE = 0;     // texels a side of the hemicubes that tell what a record sees; 0: not asked
-layout(constant_id = 4) const uint SEEN_STRIDE = 1;   // floats of a texel: 1/distance, or what inc/gathered.glsl says
+layout(constant_id = 3) const uint SIZE = 0;          // texels a side of the hemicubes whose horizons are kept; 0: none are
+layout(constant_id = 4) const uint COLUMNS = 2;       // of a side face that are kept
 layout(constant_id = 5) const uint COUNTS_FRAGMENTS = 0;  // in the tally, those too that add nothing
 
-layout(set = 0, binding = 0, std430) readonly buffer Records { Record records[]; };
+layout(set = 0, binding = 0, std430) readonly buffer Records { Kept records[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Payloads { Payload payloads[]; };
-layout(set = 0, binding = 2) uniform texture2D gbuffer_position;
-layout(set = 0, binding = 3) uniform utexture2D gbuffer_normals;
-layout(set = 0, binding = 4, std430) readonly buffer Frames { Frame frames[]; };
-layout(set = 0, binding = 5, std430) readonly buffer Seen { float seen[]; };
-layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; } push;
+layout(set = 0, binding = 2, std430) readonly buffer Horizons { uint horizons[]; };
+layout(set = 0, binding = 3, std430) readonly buffer Zones { float zones[]; };  // radius of each record of the whole store
+layout(set = 0, binding = 4) uniform texture2D gbuffer_position;
+layout(set = 0, binding = 5) uniform utexture2D gbuffer_normals;
+layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; uint first_zone; } push;
 #include "splat/hidden.glsl"
 layout(location = 0) flat in uint record_index;
 layout(location = 0) out vec4 sum;
@@ -29,12 +29,14 @@ layout(location = 1) out vec4 sky_sum;
 layout(location = COUNTED) out vec4 tally;  // number of records, Σ w·L and Σ w·L² of what they say, L its luminance; fragments
 #endif
 
-vec3 extrapolated(Payload p, vec3 turn, vec3 offset) {
+// `damping`: a linear change is good for something up to R, where what it leaves out is half of E. In a zone that is wider still,
+// the change by the offset is damped to stay bounded.
+vec3 extrapolated(Payload p, vec3 turn, vec3 offset, float damping) {
     vec3 e = p.irradiance.rgb;
     if (HAS_GRADIENTS != 0) {
         vec3 change, most;
         for (int c = 0; c < 3; ++c) {
-            change[c] = dot(turn, p.rotation[c].xyz) + dot(offset, p.translation[c].xyz);
+            change[c] = dot(turn, p.rotation[c].xyz) + damping * dot(offset, p.translation[c].xyz);
             most[c] = p.rotation[c].w;
         }
         // Within what the record has evidence for: at least 0; at most a hemisphere full of the brightest thing that it
@@ -51,8 +53,8 @@ float rejected() {
 }
 
 // Weight of a record at the fragment's surface, whose normal is n.
-float weight(Record record, vec4 surface, vec3 offset, out vec3 n) {
-    float distance2 = dot(offset, offset), radius = record.position.w;
+float weight(Kept record, float radius, vec4 surface, vec3 offset, out vec3 n) {
+    float distance2 = dot(offset, offset);
     // Every test rejects what is not a number: an additive sum would keep it.
     if (surface.w != 1.0 || !(distance2 < radius * radius)) return rejected();
 
@@ -71,15 +73,16 @@ float weight(Record record, vec4 surface, vec3 offset, out vec3 n) {
         w = 1.0 / max(sqrt(distance2) / radius * push.accuracy + bend, 1e-6) - 1.0 / push.accuracy;
     }
     if (!(w > 0.0)) return rejected();
-    if (SEEN_SIZE != 0 && hidden(record_index, offset)) return rejected();
+    if (SIZE != 0 && hidden(record_index, record, offset)) return rejected();
     return w;
 }
 
 void main() {
     vec4 surface = texelFetch(gbuffer_position, ivec2(gl_FragCoord.xy), 0);
-    Record record = records[record_index];
+    Kept record = records[record_index];
     vec3 offset = surface.xyz - record.position.xyz, n;
-    float w = weight(record, surface, offset, n);
+    float radius = zones[push.first_zone + record_index], damping = min(1.0, record.position.w / radius);
+    float w = weight(record, radius, surface, offset, n);
     if (COUNTS_FRAGMENTS != 0 && w == 0.0) {
         sum = vec4(0.0);
 #ifdef SKY
@@ -91,9 +94,9 @@ void main() {
         return;
     }
     vec3 turn = cross(record.normal.xyz, n);
-    sum = vec4(w * extrapolated(payloads[(HAS_SKY + 1) * record_index], turn, offset), w);
+    sum = vec4(w * extrapolated(payloads[(HAS_SKY + 1) * record_index], turn, offset, damping), w);
 #ifdef SKY
-    sky_sum = vec4(w * extrapolated(payloads[2 * record_index + 1], turn, offset), w);
+    sky_sum = vec4(w * extrapolated(payloads[2 * record_index + 1], turn, offset, damping), w);
 #endif
 #ifdef COUNTED
     vec3 said = sum.rgb;

@@ -6,12 +6,14 @@
 #include "shared/types.glsl"
 layout(constant_id = 2) const uint WEIGHT = 0;  // as in the fragment shader
 
-layout(set = 0, binding = 0, std430) readonly buffer Records { Record records[]; };
+layout(set = 0, binding = 0, std430) readonly buffer Records { Kept records[]; };
+layout(set = 0, binding = 3, std430) readonly buffer Zones { float zones[]; };
 layout(push_constant) uniform Push {
     mat4 world_to_view;
     vec4 scale;  // ndc = scale.xy·(x, y)/depth; w: 0 parallel
     float accuracy;
     float normal_limit;
+    uint first_zone;
 } push;
 layout(location = 0) flat out uint record_index;
 
@@ -44,9 +46,8 @@ float depth_below() {
 
 void main() {
     record_index = gl_InstanceIndex;
-    vec4 sphere = records[gl_InstanceIndex].position;
-    vec3 c = (push.world_to_view * vec4(sphere.xyz, 1.0)).xyz, n = mat3(push.world_to_view) * records[gl_InstanceIndex].normal.xyz;
-    float r = sphere.w;
+    vec3 c = (push.world_to_view * vec4(records[gl_InstanceIndex].position.xyz, 1.0)).xyz, n = mat3(push.world_to_view) * records[gl_InstanceIndex].normal.xyz;
+    float r = zones[push.first_zone + gl_InstanceIndex];
     bool parallel = push.scale.w == 0.0;
     vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1);
     if (!(r > 0.0) || (!parallel && !(-c.z >= -r))) {  // not a record, or behind the eye

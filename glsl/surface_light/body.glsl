@@ -152,7 +152,8 @@ void main() {
             }
             Sample s = sample_at(start + i * push.stride, corners, r, cell, first, try_of(tries, i));
             if (!any(greaterThan(s.irradiance, vec3(0.0)))) continue;
-            uint shadow = shadow_at(s.light, s.lifted, corners.geometric, SHADOW_OWN != 0);
+            float nearness;
+            uint shadow = shadow_at(s.light, s.lifted, corners.geometric, SHADOW_OWN != 0, nearness);
             if (shadow == LIT) lit |= 1u << i;
             if (shadow == CLOSE) close |= 1u << i;
         }

@@ -6,6 +6,7 @@ mod bake;
 mod choices;
 mod common;
 mod compare;
+mod completions;
 mod convergence;
 mod export;
 mod info;
@@ -31,6 +32,7 @@ enum Command {
     Bake(bake::BakeArgs),
     Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
+    Completions(completions::CompletionsArgs),
     Convergence(Box<convergence::ConvergenceArgs>),
     Export(export::ExportArgs),
     Info(info::InfoArgs),
@@ -38,13 +40,17 @@ enum Command {
     Reference(Box<reference::ReferenceArgs>),
 }
 
-/// The arguments of this run; wrong ones end it with exit code 2.
-pub fn parse() -> Cli {
+/// The program's commands and flags.
+fn command() -> clap::Command {
     // There `--time` is how long to work.
     let reference =
         |command: clap::Command| command.mut_arg("scene_time", |a| a.long("scene-time").alias(None::<&str>));
-    let matches = Cli::command().mut_subcommand("reference", reference).get_matches();
-    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    Cli::command().mut_subcommand("reference", reference)
+}
+
+/// The arguments of this run; wrong ones end it with exit code 2.
+pub fn parse() -> Cli {
+    Cli::from_arg_matches(&command().get_matches()).unwrap_or_else(|error| error.exit())
 }
 
 /// Runs the chosen subcommand.
@@ -53,6 +59,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
         Command::Bake(args) => bake::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Completions(args) => completions::run(&args, &mut command()),
         Command::Convergence(args) => convergence::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Info(args) => info::run(&args),

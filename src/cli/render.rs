@@ -46,18 +46,13 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
     report.check(&rendered);
     let writing = Instant::now();
-    match picture_kind {
-        Kind::Exr => exr::write(&args.output, &rendered.picture, &[])?,
-        Kind::Png => {
-            let stops = stops(args.exposure.unwrap_or_default(), &rendered.picture, args.talk.quiet);
-            png::write(&args.output, &rendered.picture, "", Look { tone: args.tone.unwrap_or_default(), stops })?;
-        }
-    }
+    let made_with = report.made_with(args, &scene, &camera, &settings);
+    write(args, picture_kind, &rendered.picture, &made_with, &camera)?;
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
         report.measure()?;
     }
-    report.finish(&scene, &rendered, &args.output, args.stats.as_deref(), args.trace.as_deref())?;
+    report.finish(args, &scene, &rendered, &made_with)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -70,6 +65,32 @@ fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
         );
     }
     args.without_effect(kind).iter().for_each(|note| remark!("note: {note}"));
+}
+
+fn write(
+    args: &RenderArgs,
+    kind: Kind,
+    picture: &Picture,
+    made_with: &[(&str, String)],
+    camera: &Camera,
+) -> Result<()> {
+    let look = || {
+        let stops = stops(args.exposure.unwrap_or_default(), picture, args.talk.quiet);
+        Look { tone: args.tone.unwrap_or_default(), stops }
+    };
+    match kind {
+        Kind::Exr => exr::write_seen(&args.output, picture, made_with, Some(world_to_camera(camera)))?,
+        Kind::Hdr => png::write_hdr(&args.output, picture, "")?,
+        Kind::Png => png::write(&args.output, picture, "", look())?,
+        Kind::Jpeg => png::write_jpeg(&args.output, picture, "", look())?,
+    }
+    Ok(())
+}
+
+/// OpenEXR's `worldToCamera`: row vectors, y up, z in the direction of sight.
+fn world_to_camera(camera: &Camera) -> [f32; 16] {
+    let forward = glam::DMat4::from_scale(glam::DVec3::new(1.0, 1.0, -1.0));
+    (forward * camera.camera_to_world.inverse()).as_mat4().to_cols_array()
 }
 
 /// The exposure in stops; one found from the picture is printed.
@@ -114,17 +135,28 @@ fn run_with_progress(
 enum Kind {
     /// Linear floats, with layers.
     Exr,
+    /// Linear values of a common exponent, the colour alone.
+    Hdr,
     /// Tone-mapped.
     Png,
+    /// Tone-mapped, with losses.
+    Jpeg,
 }
 
 impl Kind {
+    /// Whether it holds radiance, not what a screen shows.
+    fn is_linear(self) -> bool {
+        matches!(self, Self::Exr | Self::Hdr)
+    }
+
     /// By the name's extension.
     fn of(path: &Path) -> Result<Self> {
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("exr") => Ok(Self::Exr),
+            Some("hdr") => Ok(Self::Hdr),
             Some("png") => Ok(Self::Png),
-            _ => bail!("cannot tell the format of {}: name it .exr or .png", path.display()),
+            Some("jpg" | "jpeg") => Ok(Self::Jpeg),
+            _ => bail!("cannot tell the format of {}: name it .exr, .hdr, .png or .jpg", path.display()),
         }
     }
 }

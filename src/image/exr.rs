@@ -35,26 +35,41 @@ pub enum ReadError {
 ///
 /// `settings` are kept as the standard `comments` attribute, one `name: value` a line, in the order given.
 pub fn write(path: &Path, picture: &Picture, settings: &[(&str, &str)]) -> std::result::Result<(), WriteError> {
+    write_seen(path, picture, settings, None)
+}
+
+/// The same, with the standard attribute `worldToCamera`: of row vectors, y up, z in the direction of sight.
+pub fn write_seen<S: AsRef<str>>(
+    path: &Path,
+    picture: &Picture,
+    settings: &[(&str, S)],
+    world_to_camera: Option<[f32; 16]>,
+) -> std::result::Result<(), WriteError> {
     let odd = picture.channels.iter().find(|(_, values)| values.len() != picture.pixels());
     if let Some((name, values)) = odd {
         let cause = io::Error::other(format!("channel {name} has {} of {} pixels", values.len(), picture.pixels()));
         return Err(WriteError { path: path.to_owned(), cause });
     }
-    let image = encode(picture, settings);
+    let image = encode(picture, settings, world_to_camera);
     write_atomic(path, |sink| match image.write().to_buffered(sink) {
         Err(Error::Io(error)) => Err(error),
         other => other.map_err(io::Error::other),
     })
 }
 
-fn encode(picture: &Picture, settings: &[(&str, &str)]) -> Image<Layer<AnyChannels<FlatSamples>>> {
+fn encode<S: AsRef<str>>(
+    picture: &Picture,
+    settings: &[(&str, S)],
+    world_to_camera: Option<[f32; 16]>,
+) -> Image<Layer<AnyChannels<FlatSamples>>> {
     let size = Vec2(picture.width as usize, picture.height as usize);
     let channel = |(name, values): (&String, &Vec<f32>)| AnyChannel::new(text(name), FlatSamples::F32(values.clone()));
     let channels = AnyChannels::sort(picture.channels.iter().map(channel).collect());
     // One attribute rather than one a setting: the encoder keeps free attributes in a map without order.
-    let lines: Vec<String> = settings.iter().map(|(name, value)| format!("{name}: {value}")).collect();
+    let lines: Vec<String> = settings.iter().map(|(name, value)| format!("{name}: {}", value.as_ref())).collect();
     let attributes = LayerAttributes {
         software_name: Some(concat!("hemicube ", env!("CARGO_PKG_VERSION")).into()),
+        world_to_camera,
         comments: (!lines.is_empty()).then(|| text(&lines.join("\n"))),
         ..LayerAttributes::default()
     };

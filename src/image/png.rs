@@ -1,20 +1,52 @@
-//! PNG files: 8-bit sRGB, for looking at; measuring is done on EXR.
+//! PNG, JPEG and Radiance files of the colour alone: for looking at and for other programs; measuring is done on EXR.
 
 use super::tone::{Look, turbo};
 use super::write::write_atomic;
 use super::{Picture, WriteError};
-use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
+use image::codecs::{hdr::HdrEncoder, jpeg::JpegEncoder, png::PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
 use std::io;
 use std::path::Path;
 
+/// Differences are invisible, files a fifth of a PNG's.
+const JPEG_QUALITY: u8 = 95;
+
 /// Writes a colour layer (`""` is the picture itself) through exposure and tone map; not-a-number shows as magenta.
 pub fn write(path: &Path, picture: &Picture, layer: &str, look: Look) -> Result<(), WriteError> {
-    let Some([r, g, b]) = picture.rgb(layer) else {
+    write_codes(path, picture.width, picture.height, &codes(path, picture, layer, look)?)
+}
+
+/// Writes a colour layer as JPEG of quality 95, through exposure and tone map as [`write`] does.
+pub fn write_jpeg(path: &Path, picture: &Picture, layer: &str, look: Look) -> Result<(), WriteError> {
+    let codes = codes(path, picture, layer, look)?;
+    write_atomic(path, |sink| {
+        let encoder = JpegEncoder::new_with_quality(sink, JPEG_QUALITY);
+        let written = encoder.write_image(&codes, picture.width, picture.height, ExtendedColorType::Rgb8);
+        written.map_err(plain)
+    })
+}
+
+/// 8-bit sRGB code values of a colour layer, three a pixel.
+fn codes(path: &Path, picture: &Picture, layer: &str, look: Look) -> Result<Vec<u8>, WriteError> {
+    let [r, g, b] = colours(path, picture, layer)?;
+    Ok((0..picture.pixels()).flat_map(|i| look.apply([r[i], g[i], b[i]])).collect())
+}
+
+/// Radiance's `.hdr` of a colour layer: linear values of a common exponent, about 1 % exact. Negative values and what is no number
+/// are 0.
+pub fn write_hdr(path: &Path, picture: &Picture, layer: &str) -> Result<(), WriteError> {
+    let [r, g, b] = colours(path, picture, layer)?;
+    let value = |x: f32| if x.is_nan() { 0.0 } else { x.clamp(0.0, f32::MAX) };
+    let pixels: Vec<_> = (0..picture.pixels()).map(|i| image::Rgb([r[i], g[i], b[i]].map(value))).collect();
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    write_atomic(path, |sink| HdrEncoder::new(sink).encode(&pixels, width, height).map_err(plain))
+}
+
+fn colours<'a>(path: &Path, picture: &'a Picture, layer: &str) -> Result<[&'a [f32]; 3], WriteError> {
+    picture.rgb(layer).ok_or_else(|| {
         let cause = io::Error::other(format!("the picture has no colour layer {layer:?}"));
-        return Err(WriteError { path: path.to_owned(), cause });
-    };
-    let codes: Vec<u8> = (0..picture.pixels()).flat_map(|i| look.apply([r[i], g[i], b[i]])).collect();
-    write_codes(path, picture.width, picture.height, &codes)
+        WriteError { path: path.to_owned(), cause }
+    })
 }
 
 /// Writes values in false colour: 0 is dark blue, `top` and above dark red, not-a-number magenta.
@@ -31,10 +63,15 @@ pub fn write_codes(path: &Path, width: u32, height: u32, codes: &[u8]) -> Result
 /// A PNG file of 8-bit sRGB code values, into any sink.
 pub fn encode(sink: impl io::Write, width: u32, height: u32, codes: &[u8]) -> io::Result<()> {
     let encoder = PngEncoder::new(sink);
-    encoder.write_image(codes, width, height, ExtendedColorType::Rgb8).map_err(|error| match error {
+    encoder.write_image(codes, width, height, ExtendedColorType::Rgb8).map_err(plain)
+}
+
+/// The system's own error where there is one.
+fn plain(error: image::ImageError) -> io::Error {
+    match error {
         image::ImageError::IoError(error) => error,
         other => io::Error::other(other),
-    })
+    }
 }
 
 #[cfg(test)]
@@ -55,6 +92,27 @@ mod tests {
         assert_eq!(read.dimensions(), (9, 5));
         let [r, g, b] = picture.rgb("direct").unwrap();
         assert_eq!(read.get_pixel(4, 2).0, look.apply([r[22], g[22], b[22]]));
+    }
+
+    #[test]
+    fn other_formats_hold_the_same_picture() {
+        let folder = tempfile::tempdir().unwrap();
+        let [jpg, hdr] = ["a.jpg", "a.hdr"].map(|name| folder.path().join(name));
+        let mut picture = sample(16, 16);
+        for (channel, value) in [("R", 0.5), ("G", 0.25), ("B", 2.0)] {
+            picture.channels.insert(channel.into(), vec![value; 256]);
+        }
+        picture.channels.get_mut("R").unwrap()[0] = f32::NAN;
+        let look = Look { stops: -1.0, ..Look::default() };
+        write_jpeg(&jpg, &picture, "", look).unwrap();
+        let read = image::open(&jpg).unwrap().into_rgb8();
+        let (is, should) = (read.get_pixel(12, 12).0, look.apply([0.5, 0.25, 2.0]));
+        assert!((0..3).all(|k| is[k].abs_diff(should[k]) <= 2), "{is:?}, {should:?}");
+        write_hdr(&hdr, &picture, "").unwrap();
+        let read = image::open(&hdr).unwrap().into_rgb32f();
+        let is = read.get_pixel(12, 12).0;
+        assert!(is.iter().zip([0.5, 0.25, 2.0]).all(|(is, should)| (is - should).abs() <= 0.01 * should), "{is:?}");
+        assert_eq!(read.get_pixel(0, 0).0[0], 0.0, "what is no number is 0");
     }
 
     #[test]

@@ -1,6 +1,17 @@
 //! Irradiance-cache splatting (Gautron, Křivánek, Bouatouch and Pattanaik 2005; S0): records in rounds, from coarse to
 //! fine, until every visible pixel is covered.
+//!
+//! Records are kept ([`super::records`]): a view first uses those that there are, and adds what it lacks. A new record's reach is
+//! clamped by the older ones and by its own batch.
+//!
+//! Clamping both ways at the end and splatting all records anew (Křivánek et al. 2006) was measured and does not pay. Sponza,
+//! 256×256, against E_256x256.exr: one way 9,468 records, 2.45 %; both ways 3.81 %, with 2,576 pixels below the coverage that they had;
+//! with these filled 10,750 records, 2.31 %, which is what more records give by themselves (2.45 % · √(9,468/10,750) = 2.30 %), and in
+//! the living room 2.75 % instead of 2.72 % with a tenth more records. Splatting with 1.4 times the radius that covers: 2.57 %.
+//! Command: `hemicube render sponza.gltf -o s.exr --width 256 --height 256 --layers all`, then `hemicube compare s.exr E_256x256.exr
+//! --layer irradiance=b1 --mask mask`.
 
+mod filling;
 mod lattices;
 mod settings;
 
@@ -8,17 +19,20 @@ pub use settings::{CONTRAST_SIZE, CacheSettings};
 
 use super::Ground;
 use super::captures::Captures;
+use super::records::Records;
 use super::work::{Meter, Work};
-use crate::passes::clamp_records::{ClampRecords, Reach};
+use crate::passes::clamp_records::{ClampRecords, Footprint, Reach};
 use crate::passes::find_uncovered::{FindUncovered, Lattice, Need};
 use crate::passes::gbuffer::Targets;
+use crate::passes::index_records::IndexRecords;
 use crate::passes::integrate::{Integrate, Limits};
+use crate::passes::keep_records::{Batch, KeepRecords};
 use crate::passes::place_records::{PlaceRecords, Placement};
-use crate::passes::splat::{Outputs, Seen, Splat, View};
+use crate::passes::splat::{Contribution, Outputs, Source, Splat, View};
 use crate::vk::gpu_types::{Payload, Record};
-use crate::vk::pass::{Recorder, Recording};
+use crate::vk::pass::Recorder;
 use crate::vk::{Buffer, Device, Memory, Result};
-use lattices::lattices;
+use filling::Filling;
 use std::sync::Arc;
 
 /// Smallest radius of a zone of influence in pixels: a record covers its neighbours, whatever the settings.
@@ -31,6 +45,8 @@ pub struct Viewpoint {
     pub placement: Placement,
     /// Camera of the splats.
     pub view: View,
+    /// Size of a pixel on surfaces.
+    pub footprint: Footprint,
 }
 
 /// What a run of the cache did.
@@ -38,6 +54,8 @@ pub struct Viewpoint {
 pub struct CacheStats {
     /// Records captured.
     pub records: u64,
+    /// Records that there were before.
+    pub reused: u64,
     /// Rounds that found something to do.
     pub rounds: u32,
     /// What its passes did, if that was counted.
@@ -64,22 +82,28 @@ pub struct IrradianceCache {
     find: FindUncovered,
     place: PlaceRecords,
     integrate: Integrate,
-    clamp: Option<ClampRecords>,
+    keep: KeepRecords,
+    index: IndexRecords,
+    clamp: ClampRecords,
     /// Smallest radius of a zone in pixels.
     min_radius: f32,
     meter: Option<Meter>,
     /// Splats and their sums.
     pub splat: Splat,
-    _records: Buffer,
-    _payloads: Buffer,
+    records: Buffer,
+    payloads: Buffer,
 }
 
 impl IrradianceCache {
-    /// Builds what a cache over the visible surfaces `gbuffer` needs.
+    /// Builds what a cache over the visible surfaces `gbuffer` needs. Records will be kept in `store`, or in one of the same shape.
+    ///
+    /// # Errors
+    /// The device refuses a pipeline or has no memory left.
     pub fn new(
         device: &Arc<Device>,
         ground: &Ground<'_>,
         gbuffer: &Targets,
+        store: &Records,
         features: Features<'_>,
         settings: CacheSettings,
     ) -> Result<Self> {
@@ -95,95 +119,74 @@ impl IrradianceCache {
             (sky, settings.gradients.translation),
             meter.as_ref().map(|meter| &meter.drawn),
         )?;
-        let capacity = captures.capacity;
-        let records = u64::from(capacity) * size_of::<Record>() as u64;
-        let records = Buffer::new(device, "records", records, Memory::Device)?;
-        let payloads = u64::from(capacity) * size_of::<Payload>() as u64 * if sky.is_some() { 2 } else { 1 };
+        let shape = store.shape();
+        let capacity = u64::from(captures.capacity);
+        let records = Buffer::new(device, "records", capacity * size_of::<Record>() as u64, Memory::Device)?;
+        let payloads = capacity * u64::from(shape.payloads) * size_of::<Payload>() as u64;
         let payloads = Buffer::new(device, "records", payloads, Memory::Device)?;
+        let limits = Limits { scene_radius: geometry.radius };
+        let (both, quantities) = ((&records, &payloads), (settings.gradients, settings.radius));
+        let integrate = Integrate::new(device, geometry, &captures.captured(), both, sky, quantities, limits)?;
+        let piece = store.pieces().next().expect("a store has a piece");
+        let batch = batch_of(&captures, both);
+        let keep = KeepRecords::new(device, shape.payloads, shape.horizon, (&batch, &piece))?;
+
+        let source = Source {
+            records: piece.records,
+            payloads: piece.payloads,
+            horizons: piece.horizons,
+            // Any buffer tells what is bound there.
+            zones: &records,
+        };
         let tally = counts_records || counts_work || settings.contrast > 0.0;
         let outputs = Outputs { sky: sky.is_some(), tally, fragments: counts_work };
-        let both = (&records, &payloads);
-        let has_gradients = settings.gradients.rotation || settings.gradients.translation;
-        let height = gbuffer.position.desc.size[1] as f32;
-        let min_radius = (settings.min_radius * height).max(SMALLEST_RADIUS);
-        let limits = Limits {
-            accuracy: settings.accuracy,
-            min_radius,
-            max_radius: (settings.max_radius * height).max(min_radius),
-            scene_radius: geometry.radius,
-        };
-        let quantities = (settings.gradients, settings.radius);
-        let integrate = Integrate::new(device, geometry, &captures.captured(), both, sky, quantities, limits)?;
-        let Captures { gathered, size, .. } = &captures;
-        let (distances, stride) = gathered.distances();
-        let seen = Seen { frames: captures.frames(), distances, size: *size, stride };
-        let seen = settings.rejects_hidden().then_some(seen);
-        let splat = Splat::new(device, gbuffer, both, outputs, has_gradients, settings.weight, seen)?;
+        let gradients = settings.gradients.rotation || settings.gradients.translation;
+        let contribution = Contribution { gradients, weight: settings.weight, horizon: shape.horizon };
+        let splat = Splat::new(device, gbuffer, &source, outputs, contribution)?;
         let find = FindUncovered::new(device, gbuffer, &splat.sums, settings.contrast > 0.0)?;
         let place = PlaceRecords::new(device, gbuffer, &find.found, captures.frames(), &records)?;
-        let reach = Reach { min: limits.min_radius, max: limits.max_radius };
-        let clamp = || ClampRecords::new(device, gbuffer, &find.found, both, sky.is_some(), reach);
-        let clamp = settings.clamped.then(clamp).transpose()?;
-        let (_records, _payloads) = (records, payloads);
-        Ok(Self { settings, captures, find, place, integrate, clamp, min_radius, meter, splat, _records, _payloads })
+
+        let height = gbuffer.position.desc.size[1] as f32;
+        let min_radius = (settings.min_radius * height).max(SMALLEST_RADIUS);
+        let max_radius = (settings.max_radius * height).max(min_radius);
+        let reach = Reach { accuracy: settings.accuracy, min: min_radius, max: max_radius };
+        let index = IndexRecords::new(device, store.index())?;
+        let clamp = ClampRecords::new(device, (store.index(), &records), settings.clamped, reach)?;
+        Ok(Self {
+            settings,
+            captures,
+            find,
+            place,
+            integrate,
+            keep,
+            index,
+            clamp,
+            min_radius,
+            meter,
+            splat,
+            records,
+            payloads,
+        })
     }
 
-    /// Fills the cache until every pixel is covered. `progress` hears the records so far and the share of rounds done.
+    /// Fills the cache until every pixel is covered, with what `store` holds and with new records, which it keeps. `progress` hears the
+    /// new records so far and the share of rounds done.
+    ///
+    /// # Errors
+    /// The device fails, has no memory left or ends the loops of captures.
     pub fn run(
         &self,
         recorder: &mut Recorder,
         ground: &Ground<'_>,
-        viewpoint: &Viewpoint,
-        mut progress: impl FnMut(u64, f32),
+        (gbuffer, viewpoint): (&Targets, &Viewpoint),
+        store: &mut Records,
+        progress: impl FnMut(u64, f32),
     ) -> Result<CacheStats> {
-        let mut stats = CacheStats::default();
-        let lattices = lattices();
-        recorder.submit(|recording| {
-            self.captures.prepare(recording)?;
-            recording.pass("splat", |c| {
-                self.splat.record_clear(c);
-                if let Some(meter) = &self.meter {
-                    meter.drawn.record_clear(c);
-                }
-                Ok(())
-            })?;
-            if let Some(clamp) = &self.clamp {
-                recording.pass("clamp_records", |c| {
-                    clamp.record_clear(c);
-                    Ok(())
-                })?;
-            }
-            self.find(recording, lattices[0])
-        })?;
-        for (index, lattice) in lattices.iter().enumerate() {
-            let mut left = self.find.count();
-            stats.rounds += u32::from(left > 0);
-            loop {
-                // A pixel may be found again, as its records go on to disagree: no more are put than there were pixels.
-                let found = self.find.count().min(left).min(self.settings.batch.unwrap_or(u32::MAX));
-                left = if found == 0 { 0 } else { left - found };
-                let next = if left > 0 { Some(lattice) } else { lattices.get(index + 1) };
-                self.round(recorder, ground, viewpoint, found, next.copied())?;
-                stats.records += u64::from(found);
-                if left == 0 {
-                    break;
-                }
-            }
-            progress(stats.records, (index + 1) as f32 / lattices.len() as f32);
-        }
-        self.captures.check(recorder)?;
-        if let Some(meter) = &self.meter {
-            let Captures { texels, drawn_whole, .. } = self.captures;
-            stats.work = Some(meter.read(recorder, &self.splat, stats.records, (texels, drawn_whole))?);
-        }
-        Ok(stats)
+        Filling::new(self, ground, (gbuffer, viewpoint), store)?.run(recorder, progress)
     }
 
-    fn find(&self, recording: &mut Recording<'_>, lattice: Lattice) -> Result<()> {
-        recording.pass("find_uncovered", |c| {
-            self.find.record(c, lattice, self.need(lattice));
-            Ok(())
-        })
+    fn batch(&self) -> Batch<'_> {
+        batch_of(&self.captures, (&self.records, &self.payloads))
     }
 
     /// Where records disagree, smaller ones are put between them: as long as the lattice is no finer than their zones.
@@ -192,61 +195,9 @@ impl IrradianceCache {
         let contrast = if refines { self.settings.told_contrast() } else { 0.0 };
         Need { covered: self.settings.covered, contrast }
     }
+}
 
-    /// Captures and splats what was found, a submission a batch; the last one looks for the next round's pixels.
-    fn round(
-        &self,
-        recorder: &mut Recorder,
-        ground: &Ground<'_>,
-        viewpoint: &Viewpoint,
-        found: u32,
-        next: Option<Lattice>,
-    ) -> Result<()> {
-        let capacity = self.captures.capacity;
-        let batches = found.div_ceil(capacity).max(1);
-        for batch in 0..batches {
-            let first = batch * capacity;
-            let count = (found - first.min(found)).min(capacity);
-            recorder.submit(|recording| {
-                if count > 0 {
-                    let placement = Placement { first, count, scale: self.captures.scale(), ..viewpoint.placement };
-                    self.batch(recording, ground, placement, &viewpoint.view)?;
-                }
-                match next.filter(|_| batch + 1 == batches) {
-                    Some(lattice) => self.find(recording, lattice),
-                    None => Ok(()),
-                }
-            })?;
-        }
-        Ok(())
-    }
-
-    fn batch(
-        &self,
-        recording: &mut Recording<'_>,
-        ground: &Ground<'_>,
-        placement: Placement,
-        view: &View,
-    ) -> Result<()> {
-        let Placement { first, count, .. } = placement;
-        recording.pass("place_records", |c| {
-            self.place.record(c, placement);
-            Ok(())
-        })?;
-        self.captures.record(recording, ground, count)?;
-        recording.pass("integrate", |c| {
-            self.integrate.record(c, count);
-            Ok(())
-        })?;
-        if let Some(clamp) = &self.clamp {
-            recording.pass("clamp_records", |c| {
-                clamp.record(c, first, count);
-                Ok(())
-            })?;
-        }
-        recording.pass("splat", |c| {
-            self.splat.record(c, view, count);
-            Ok(())
-        })
-    }
+fn batch_of<'a>(captures: &'a Captures, (records, payloads): (&'a Buffer, &'a Buffer)) -> Batch<'a> {
+    let (distances, stride) = captures.gathered.distances();
+    Batch { frames: captures.frames(), records, payloads, distances, stride }
 }

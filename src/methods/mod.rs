@@ -15,6 +15,7 @@ pub mod light_samples;
 pub mod light_set;
 pub mod probes;
 pub mod rates;
+pub mod records;
 mod sky;
 pub mod sphere_probes;
 pub mod volume;

@@ -150,13 +150,7 @@ impl<'a> Probes<'a> {
         let records = buffer(size_of::<Record>(), Memory::Device)?;
         let payloads = buffer(payload_bytes, Memory::Device)?;
         let results = [buffer(size_of::<Record>(), Memory::Readback)?, buffer(payload_bytes, Memory::Readback)?];
-        // Zones are not used: with a lower limit next to nothing and none above, gradients come out as they are.
-        let limits = Limits {
-            accuracy: 1.0,
-            min_radius: f32::MIN_POSITIVE,
-            max_radius: f32::MAX,
-            scene_radius: geometry.radius,
-        };
+        let limits = Limits { scene_radius: geometry.radius };
         let both = (&records, &payloads);
         let quantities = (settings.gradients, Radius::Harmonic);
         let integrate = Integrate::new(

@@ -14,11 +14,11 @@ use crate::passes::gathered::{Gathered, Kinds};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::geometry::{CellBudget, Geometry};
 use crate::passes::integrate::{Captured, CapturedBy, Gradients, Integrate, Limits, Radius};
-use crate::passes::splat::{Outputs, Splat, View, Weight};
+use crate::passes::splat::{Contribution, Outputs, Source, Splat, View, Weight};
 use crate::passes::views::Views;
 use crate::scene::Scene;
 use crate::scene::build::{Builder, Facing, diffuse};
-use crate::vk::gpu_types::{Frame, Payload, Record};
+use crate::vk::gpu_types::{Frame, Kept, Payload, Record};
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Memory, Result};
 use glam::{Mat4, Vec3, Vec4};
@@ -38,6 +38,8 @@ const CAPTURES_IN_COMPUTE: u32 = 64;
 const IMAGE: u32 = 512;
 /// Splats, each over the whole image.
 const SPLATS: u32 = 64;
+/// Radius of their zones: so large that no part of the sphere is in front of a record's plane, and all of it within.
+const ZONE: f32 = 100.0;
 /// Passes between whose timestamps nothing happens.
 const EMPTY_PASSES: u32 = 256;
 /// Runs of each pass: the first one compiles on some drivers, and the fastest of the rest counts.
@@ -206,7 +208,7 @@ fn integrated(
     let records = Buffer::new(device, "records", u64::from(count) * size_of::<Record>() as u64, Memory::Device)?;
     let payloads = Buffer::new(device, "records", u64::from(count) * size_of::<Payload>() as u64, Memory::Device)?;
     let quantities = (Gradients { rotation: true, translation: true }, Radius::Hessian);
-    let limits = Limits { accuracy: 0.3, min_radius: 1.0, max_radius: 2.0, scene_radius: 1.0 };
+    let limits = Limits { scene_radius: 1.0 };
     let integrate = Integrate::new(device, geometry, captured, (&records, &payloads), None, quantities, limits)?;
     stopwatch.seconds(|recording| {
         recording.pass("integrate", |c| {
@@ -219,16 +221,20 @@ fn integrated(
 /// Blended fragments in a second.
 fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) -> Result<f64> {
     let gbuffer = GBuffer::new(device, ground.scene, ground.geometry, None, [IMAGE; 2], false)?;
-    let place = Record {
-        // A zone so large that no part of the sphere is in front of the record's plane, and all of it within.
-        position: [0.0, 0.0, 0.0, 100.0],
+    let place = Kept {
+        position: [0.0, 0.0, 0.0, ZONE],
         normal: [0.0, 0.0, 1.0, 1.0],
-        geometric: [0.0, 0.0, 1.0, 1.0],
+        geometric: [0.0, 0.0, 1.0, 0.0],
+        tangent: [1.0, 0.0, 0.0, 0.0],
     };
     let records = Buffer::with_data(device, "records", &vec![place; SPLATS as usize])?;
     let payloads = Buffer::with_data(device, "records", &vec![Payload::default(); SPLATS as usize])?;
+    let zones = Buffer::with_data(device, "records", &vec![ZONE; SPLATS as usize])?;
+    let source = Source { records: &records, payloads: &payloads, horizons: &records, zones: &zones };
     let outputs = Outputs { sky: false, tally: false, fragments: false };
-    let splat = Splat::new(device, &gbuffer.targets, (&records, &payloads), outputs, true, Weight::Bounded, None)?;
+    let contribution = Contribution { gradients: true, weight: Weight::Bounded, horizon: None };
+    let splat = Splat::new(device, &gbuffer.targets, &source, outputs, contribution)?;
+    let set = splat.set(&gbuffer.targets, &source)?;
     // From the centre along −z, 90° wide, reversed depth.
     let near = 1e-3;
     let world_to_clip = Mat4::from_cols(Vec4::X, Vec4::NEG_Y, Vec4::new(0.0, 0.0, 0.0, -1.0), Vec4::Z * near);
@@ -245,7 +251,7 @@ fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) 
             Ok(())
         })?;
         recording.pass("splat", |c| {
-            splat.record(c, &view, SPLATS);
+            splat.record(c, &view, &set, 0..SPLATS, 0);
             Ok(())
         })
     })?;

@@ -43,9 +43,12 @@ pub struct Lattice {
     pub offset: [u32; 2],
 }
 
-/// The pass: three dispatches of one shader.
+/// The pass: dispatches of one shader.
 pub struct FindUncovered {
     phases: [ComputePipeline; 3],
+    /// Marks what is settled, where contrast is looked at.
+    mark: Option<ComputePipeline>,
+    settled: Buffer,
     set: DescriptorSet,
     size: [u32; 2],
     /// Count, then pixel indices.
@@ -63,6 +66,8 @@ impl FindUncovered {
         let counts = Buffer::new(device, "uncovered pixels", pixels.div_ceil(u64::from(GROUP)) * 4, Memory::Device)?;
         let [columns, rows] = size.map(|side| u64::from(side.div_ceil(LEAST_STRIDE)));
         let found = Buffer::new(device, "uncovered pixels", 4 + columns * rows * 4, Memory::Device)?;
+        let settled = if has_contrast { pixels.div_ceil(32) * 4 } else { 4 };
+        let settled = Buffer::new(device, "uncovered pixels", settled, Memory::Device)?;
         let bindings = [
             Binding::Texels(&gbuffer.position),
             Binding::Texels(&sums.indirect),
@@ -70,6 +75,7 @@ impl FindUncovered {
             Binding::Storage(&found),
             // Not read where it is not looked at.
             Binding::Texels(sums.tally.as_ref().unwrap_or(&sums.indirect)),
+            Binding::Storage(&settled),
         ];
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
@@ -85,6 +91,8 @@ impl FindUncovered {
         };
         Ok(Self {
             phases: [phase(0)?, phase(1)?, phase(2)?],
+            mark: has_contrast.then(|| phase(3)).transpose()?,
+            settled,
             set,
             size,
             found,
@@ -94,19 +102,37 @@ impl FindUncovered {
         })
     }
 
-    /// Finds the pixels of `lattice` that need a record.
-    pub fn record(&self, commands: &Commands, lattice: Lattice, need: Need) {
-        assert!(lattice.stride >= LEAST_STRIDE, "{lattice:?} has more pixels than the list holds");
+    fn push(&self, lattice: Lattice, need: Need) -> Push {
         let points = |axis: usize| self.size[axis].saturating_sub(lattice.offset[axis]).div_ceil(lattice.stride);
-        let push = Push {
+        Push {
             size: self.size,
             offset: lattice.offset,
             lattice: [points(0), points(1)],
             stride: lattice.stride,
             covered: need.covered,
             contrast: need.contrast,
-        };
-        let all = groups(points(0) * points(1), GROUP);
+        }
+    }
+
+    /// Marks no pixel as settled.
+    pub fn record_clear(&self, commands: &Commands) {
+        commands.fill(&self.settled, 0);
+    }
+
+    /// Marks the pixels that are covered by now as settled: their records may disagree.
+    pub fn record_settled(&self, commands: &Commands, covered: f32) {
+        let Some(mark) = &self.mark else { return };
+        let push = self.push(Lattice { stride: 1, offset: [0; 2] }, Need { covered, contrast: 0.0 });
+        mark.bind(commands, &[&self.set]);
+        mark.layout.push(commands, &push);
+        mark.dispatch(commands, groups(push.lattice[0] * push.lattice[1], GROUP));
+    }
+
+    /// Finds the pixels of `lattice` that need a record.
+    pub fn record(&self, commands: &Commands, lattice: Lattice, need: Need) {
+        assert!(lattice.stride >= LEAST_STRIDE, "{lattice:?} has more pixels than the list holds");
+        let push = self.push(lattice, need);
+        let all = groups(push.lattice[0] * push.lattice[1], GROUP);
         for (phase, groups) in self.phases.iter().zip([all, [1, 1, 1], all]) {
             phase.bind(commands, &[&self.set]);
             phase.layout.push(commands, &push);

@@ -26,17 +26,11 @@ struct Push {
     limits: Limits,
 }
 
-/// How far records reach.
+/// How far records are good for. Views limit that by their pixels when they use them.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Limits {
-    /// Ward's a.
-    pub accuracy: f32,
-    /// Smallest radius of a zone of influence, in pixels.
-    pub min_radius: f32,
-    /// Largest, in pixels.
-    pub max_radius: f32,
-    /// Mean distance of a record that sees nothing.
+    /// R of a record that sees nothing.
     pub scene_radius: f32,
 }
 

@@ -13,10 +13,6 @@ use std::sync::Arc;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct Placement {
-    /// Eye; w: 0 for parallel views.
-    pub eye: [f32; 4],
-    /// Axis of the camera; w: footprint of a pixel at distance 1.
-    pub forward: [f32; 4],
     /// First of the found pixels.
     pub first: u32,
     /// Number of records.

@@ -1,6 +1,7 @@
-//! Splats a batch of records over the G-buffer with additive float blending.
+//! Splats kept records over the G-buffer with additive float blending.
 
 use super::gbuffer::Targets;
+use super::keep_records::Horizon;
 use crate::vk::{
     Attachment, Binding, Buffer, Commands, DescriptorSet, Device, Framebuffer, GraphicsDesc, GraphicsPipeline, Image,
     ImageDesc, Load, Memory, PipelineLayout, RenderPass, RenderPassDesc, Result, SetLayout, Specialisation,
@@ -8,11 +9,12 @@ use crate::vk::{
 };
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
 use std::sync::Arc;
 
 const SUM: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Push constants of the pass.
+/// The camera and the weights' limits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 pub struct View {
@@ -24,6 +26,13 @@ pub struct View {
     pub accuracy: f32,
     /// √(1 − n·n_k) at which the weight has fallen to zero.
     pub normal_limit: f32,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Push {
+    view: View,
+    first_zone: u32,
 }
 
 /// Weight of a record at a point.
@@ -46,17 +55,28 @@ pub struct Outputs {
     pub fragments: bool,
 }
 
-/// What the records of a batch have seen, for [`Splat`] to reject points that are hidden from them.
+/// Kept records to splat: a piece of the store, and the radii of all zones.
 #[derive(Clone, Copy)]
-pub struct Seen<'a> {
-    /// Frames of the captures.
-    pub frames: &'a Buffer,
-    /// 1/distance of what each texel saw; [`super::gathered`].
-    pub distances: &'a Buffer,
-    /// Texels a side of the hemicubes.
-    pub size: u32,
-    /// Floats from one to the next.
-    pub stride: u32,
+pub struct Source<'a> {
+    /// Places of the piece.
+    pub records: &'a Buffer,
+    /// Payloads of the piece.
+    pub payloads: &'a Buffer,
+    /// Horizons of the piece; anything where none are kept.
+    pub horizons: &'a Buffer,
+    /// Radius of the zone of each record of the whole store in this view.
+    pub zones: &'a Buffer,
+}
+
+/// How records contribute.
+#[derive(Clone, Copy, Debug)]
+pub struct Contribution {
+    /// Irradiance is extrapolated by gradients.
+    pub gradients: bool,
+    /// Weight of a record at a point.
+    pub weight: Weight,
+    /// Points are rejected that are hidden by a record's horizon; none: all are lit.
+    pub horizon: Option<Horizon>,
 }
 
 /// Sums of the splats: Σ w·E and Σ w.
@@ -78,20 +98,17 @@ pub struct Splat {
     keep: RenderPass,
     framebuffer: Framebuffer,
     pipeline: GraphicsPipeline,
-    set: DescriptorSet,
-    _layout: SetLayout,
+    layout: SetLayout,
 }
 
 impl Splat {
-    /// Splats `records` with `payloads`; with `seen`, not past what stands between a record and a point.
+    /// Builds the pass; it needs a `source` to know what it binds.
     pub fn new(
         device: &Arc<Device>,
         gbuffer: &Targets,
-        (records, payloads): (&Buffer, &Buffer),
+        source: &Source<'_>,
         outputs: Outputs,
-        gradients: bool,
-        weight: Weight,
-        seen: Option<Seen<'_>>,
+        contribution: Contribution,
     ) -> Result<Self> {
         let sums = Sums::new(device, gbuffer.position.desc.size, outputs)?;
         let images = sums.in_order();
@@ -101,22 +118,13 @@ impl Splat {
         };
         let (clear, keep) = (pass(Load::Clear)?, pass(Load::Keep)?);
         let framebuffer = Framebuffer::new(&clear, &images)?;
-        let bindings = [
-            Binding::Storage(records),
-            Binding::Storage(payloads),
-            Binding::Texels(&gbuffer.position),
-            Binding::Texels(&gbuffer.normals),
-            // Not read where nothing is asked of them.
-            Binding::Storage(seen.map_or(records, |seen| seen.frames)),
-            Binding::Storage(seen.map_or(records, |seen| seen.distances)),
-        ];
-        let layout = SetLayout::of(device, &bindings)?;
-        let set = DescriptorSet::new(&layout, &bindings)?;
-        let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<View>() as u32)?;
+        let layout = SetLayout::of(device, &bindings(gbuffer, source))?;
+        let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
+        let Contribution { gradients, weight, horizon } = contribution;
         let [sky, gradients, ward, fragments] =
             [outputs.sky, gradients, weight == Weight::Ward, outputs.fragments].map(u32::from);
-        let constants =
-            vec![sky, gradients, ward, seen.map_or(0, |seen| seen.size), seen.map_or(1, |seen| seen.stride), fragments];
+        let [size, columns] = Horizon::constants(horizon);
+        let constants = vec![sky, gradients, ward, size, columns, fragments];
         let fragment = match (outputs.sky, outputs.tally) {
             (false, false) => spirv!("splat", "plain.frag"),
             (true, false) => spirv!("splat", "sky.frag"),
@@ -133,7 +141,12 @@ impl Splat {
             additive: true,
         };
         let pipeline = GraphicsPipeline::new(&pipeline_layout, &keep, 0, &desc)?;
-        Ok(Self { clear, keep, framebuffer, pipeline, set, _layout: layout, sums })
+        Ok(Self { clear, keep, framebuffer, pipeline, layout, sums })
+    }
+
+    /// The buffers of a `source` over the G-buffer that the pass was built for.
+    pub fn set(&self, gbuffer: &Targets, source: &Source<'_>) -> Result<DescriptorSet> {
+        DescriptorSet::new(&self.layout, &bindings(gbuffer, source))
     }
 
     /// Empties the sums.
@@ -142,14 +155,20 @@ impl Splat {
         self.clear.end(commands);
     }
 
-    /// Adds the first `count` records.
-    pub fn record(&self, commands: &Commands, view: &View, count: u32) {
+    /// Adds a range of a piece's records, whose first record has the number `first_zone` in the store.
+    pub fn record(&self, commands: &Commands, view: &View, set: &DescriptorSet, range: Range<u32>, first_zone: u32) {
         self.keep.begin(commands, &self.framebuffer);
-        self.pipeline.bind(commands, &[&self.set]);
-        self.pipeline.layout.push(commands, view);
-        self.pipeline.draw(commands, 4, 0, count);
+        self.pipeline.bind(commands, &[set]);
+        self.pipeline.layout.push(commands, &Push { view: *view, first_zone });
+        self.pipeline.draw(commands, 4, range.start, range.len() as u32);
         self.keep.end(commands);
     }
+}
+
+fn bindings<'a>(gbuffer: &'a Targets, source: &Source<'a>) -> [Binding<'a>; 6] {
+    let Source { records, payloads, horizons, zones } = *source;
+    let [records, payloads, horizons, zones] = [records, payloads, horizons, zones].map(Binding::Storage);
+    [records, payloads, horizons, zones, Binding::Texels(&gbuffer.position), Binding::Texels(&gbuffer.normals)]
 }
 
 /// The tally on the CPU.

@@ -43,7 +43,7 @@ impl View {
     pub fn new(camera: &Camera, width: u32, height: u32) -> Self {
         let half_height = match camera.lens {
             Lens::Perspective { yfov, .. } => (0.5 * yfov).tan(),
-            Lens::Orthographic { ymag } => ymag,
+            Lens::Orthographic { ymag, .. } => ymag,
         };
         let half = DVec2::new(half_height * f64::from(width) / f64::from(height), half_height);
         Self { width, height, camera: camera.clone(), half }

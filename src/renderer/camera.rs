@@ -2,6 +2,7 @@
 
 use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
+use crate::passes::clamp_records::Footprint;
 use crate::passes::place_records::Placement;
 use crate::passes::splat::View as SplatView;
 use crate::scene::{Camera, Lens, Scene};
@@ -35,7 +36,7 @@ impl View {
         let aspect = size[0] as f32 / size[1] as f32;
         let (perspective, half) = match camera.lens {
             Lens::Perspective { yfov, .. } => (true, (yfov * 0.5).tan() as f32),
-            Lens::Orthographic { ymag } => (false, ymag as f32),
+            Lens::Orthographic { ymag, .. } => (false, ymag as f32),
         };
         // Vulkan's clip space points down.
         let scale = Vec2::new(1.0 / (half * aspect), -1.0 / half);
@@ -69,8 +70,6 @@ impl View {
         let footprint = 2.0 / (self.scale.y.abs() * self.size[1] as f32);
         let forward = Vec3::from_slice(&self.axis[..3]);
         let placement = Placement {
-            eye: if self.perspective { self.eye.to_array() } else { [0.0; 4] },
-            forward: forward.extend(footprint).to_array(),
             first: 0,
             count: 0,
             width: self.size[0],
@@ -86,7 +85,11 @@ impl View {
             accuracy: settings.accuracy,
             normal_limit: settings.normal_limit,
         };
-        Viewpoint { placement, view }
+        let footprint = Footprint {
+            eye: if self.perspective { self.eye.to_array() } else { [0.0; 4] },
+            forward: forward.extend(footprint).to_array(),
+        };
+        Viewpoint { placement, view, footprint }
     }
 }
 

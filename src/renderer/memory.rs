@@ -85,12 +85,12 @@ pub fn memory_needs(device: &Device, scene: &Scene, size: &SurfaceSize, plan: &P
     all
 }
 
-/// Bytes of a pixel in what has the image's size: position, normals, albedo, depth and emission, direct light, sums of splats,
-/// and the neighbours that clamp them. The layers go by way of bands ([`BAND`]).
+/// Bytes of a pixel in what has the image's size: position, normals, albedo, depth and emission, direct light and sums of splats.
+/// The layers go by way of bands ([`BAND`]).
 fn pixel(plan: &Plan) -> u64 {
     let runs = |part| u64::from(plan.runs(part));
     let sums = runs(Part::Splat) + runs(Part::Sky) + (runs(Part::Contrast) | runs(Part::RecordCounts));
-    36 + 16 * (runs(Part::Emission) + u64::from(plan.lights()) + sums) + 8 * runs(Part::ClampRecords)
+    36 + 16 * (runs(Part::Emission) + u64::from(plan.lights()) + sums)
 }
 
 /// Checks that what `plan` makes of `scene` fits, its surface of that `size`.

@@ -69,7 +69,11 @@ pub enum Part {
     Slices,
     /// Captures are integrated.
     Integrate,
-    /// Zones of neighbours limit each other.
+    /// Records are kept for later views.
+    KeepRecords,
+    /// Kept records are sorted by place, so that neighbours are found.
+    IndexRecords,
+    /// Zones get their radii: by neighbours, if those are indexed, and by the view's limits.
     ClampRecords,
     /// Records are splatted.
     Splat,
@@ -111,6 +115,8 @@ impl Part {
             Self::Levels => "levels of detail",
             Self::Slices => "slices",
             Self::Integrate => "integrate",
+            Self::KeepRecords => "keep_records",
+            Self::IndexRecords => "index_records",
             Self::ClampRecords => "clamp_records",
             Self::Splat => "splat",
             Self::Contrast => "contrast",
@@ -236,7 +242,9 @@ impl Plan {
         let why = if settings.bounces == 0 { NO_BOUNCES } else { NO_LIGHT };
         let or = |asked: bool, otherwise: &'static str| if captures && !asked { otherwise } else { why };
         let clamped = or(cache.clamped, "neighbours are not asked to clamp each other");
-        self.part(Part::ClampRecords, captures && cache.clamped, clamped);
+        self.part(Part::KeepRecords, captures, why);
+        self.part(Part::IndexRecords, captures && cache.clamped, clamped);
+        self.part(Part::ClampRecords, captures, why);
         self.part(Part::Splat, captures, why);
         let disputed = or(cache.contrast > 0.0, "records may disagree by anything (--contrast 0)");
         self.part(Part::Contrast, captures && cache.contrast > 0.0, disputed);

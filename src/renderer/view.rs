@@ -6,6 +6,7 @@ use super::surface::Surface;
 use super::{Clock, OnProgress, Settings, output};
 use crate::image::Picture;
 use crate::methods::irradiance_cache::{CacheStats, Features, IrradianceCache};
+use crate::methods::records::Records;
 use crate::methods::{Ground, Sky};
 use crate::passes::gbuffer::GBuffer;
 use crate::passes::pixel_light::{PixelLight, direct_image};
@@ -35,6 +36,7 @@ impl View {
         scene: &Scene,
         plan: &Plan,
         settings: &Settings,
+        records: Option<&Records>,
     ) -> Result<Self> {
         let size = [settings.width, settings.height];
         let ground = surface.ground(scene);
@@ -50,7 +52,7 @@ impl View {
             }
             None => Vec::new(),
         };
-        let cache = new_cache(device, surface, &ground, &gbuffer, plan, settings)?;
+        let cache = new_cache(device, surface, &ground, &gbuffer, (plan, settings), records)?;
         let resolve = new_resolve(device, surface, &gbuffer, direct.as_ref(), cache.as_ref(), settings)?;
         Ok(Self { settings: settings.clone(), gbuffer, direct, pixel_lights, cache, resolve })
     }
@@ -63,9 +65,10 @@ impl View {
         scene: &Scene,
         plan: &Plan,
         settings: &Settings,
+        records: Option<&Records>,
     ) -> Result<()> {
         self.cache = None;
-        self.cache = new_cache(device, surface, &surface.ground(scene), &self.gbuffer, plan, settings)?;
+        self.cache = new_cache(device, surface, &surface.ground(scene), &self.gbuffer, (plan, settings), records)?;
         let (direct, cache) = (self.direct.as_ref(), self.cache.as_ref());
         self.resolve = new_resolve(device, surface, &self.gbuffer, direct, cache, settings)?;
         self.settings = settings.clone();
@@ -89,17 +92,20 @@ impl View {
         })
     }
 
-    /// Covers what is seen with records.
+    /// Covers what is seen with `records`, and adds those that are missing.
     pub(super) fn run_cache(
         &self,
         recorder: &mut Recorder,
         ground: &Ground<'_>,
         eyes: &Eyes,
+        records: Option<&mut Records>,
         on_progress: OnProgress<'_>,
     ) -> Result<CacheStats> {
-        let Some(cache) = &self.cache else { return Ok(CacheStats::default()) };
+        let Some((cache, records)) = self.cache.as_ref().zip(records) else { return Ok(CacheStats::default()) };
         let viewpoint = eyes.viewpoint(&self.settings.cache, ground.geometry.radius);
-        cache.run(recorder, ground, &viewpoint, |_, share| on_progress("records", (share * 1000.0) as u64, 1000))
+        cache.run(recorder, ground, (&self.gbuffer.targets, &viewpoint), records, |_, share| {
+            on_progress("records", (share * 1000.0) as u64, 1000)
+        })
     }
 
     /// Makes the image.
@@ -124,8 +130,8 @@ fn new_cache(
     surface: &Surface,
     ground: &Ground<'_>,
     gbuffer: &GBuffer,
-    plan: &Plan,
-    settings: &Settings,
+    (plan, settings): (&Plan, &Settings),
+    records: Option<&Records>,
 ) -> Result<Option<IrradianceCache>> {
     let features = Features {
         sky: surface.sky.as_ref().map(Sky::captured),
@@ -133,8 +139,8 @@ fn new_cache(
         counts_records: settings.planes.contains(&Plane::Records),
         counts_work: settings.counts_work,
     };
-    let new = || IrradianceCache::new(device, ground, &gbuffer.targets, features, settings.cache);
-    plan.captures.then(new).transpose()
+    let new = |records| IrradianceCache::new(device, ground, &gbuffer.targets, records, features, settings.cache);
+    records.map(new).transpose()
 }
 
 fn new_resolve(

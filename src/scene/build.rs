@@ -201,7 +201,11 @@ pub fn look(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
 
 /// A parallel camera that shows `half` above and below its axis.
 pub fn look_parallel(eye: DVec3, target: DVec3, half: f64) -> Camera {
-    Camera { name: String::new(), camera_to_world: towards(eye, target), lens: Lens::Orthographic { ymag: half } }
+    Camera {
+        name: String::new(),
+        camera_to_world: towards(eye, target),
+        lens: Lens::Orthographic { ymag: half, aspect: None },
+    }
 }
 
 fn towards(eye: DVec3, target: DVec3) -> DMat4 {

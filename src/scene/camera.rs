@@ -60,11 +60,8 @@ pub fn frame(scene: &Scene) -> Camera {
 /// Width and height of the image in pixels. A side that is not given follows from the other by the camera's shape
 /// (16:9 where it states none); with neither, the camera's shape fits into 1280 × 720.
 pub fn image_size(camera: &Camera, width: Option<u32>, height: Option<u32>) -> (u32, u32) {
-    let stated = match camera.lens {
-        Lens::Perspective { aspect, .. } => aspect,
-        Lens::Orthographic { .. } => None,
-    };
-    let aspect = stated.unwrap_or(f64::from(DEFAULT_SIZE.0) / f64::from(DEFAULT_SIZE.1));
+    let (Lens::Perspective { aspect, .. } | Lens::Orthographic { aspect, .. }) = camera.lens;
+    let aspect = aspect.unwrap_or(f64::from(DEFAULT_SIZE.0) / f64::from(DEFAULT_SIZE.1));
     let side = |pixels: f64| pixels.round().clamp(1.0, f64::from(LARGEST_SIDE)) as u32;
     match (width, height) {
         (Some(w), Some(h)) => (w, h),

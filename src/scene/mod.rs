@@ -12,6 +12,7 @@ mod camera;
 mod cornell;
 pub mod emission;
 mod error;
+mod fingerprint;
 mod gltf;
 pub mod load;
 pub mod opacity;
@@ -247,6 +248,8 @@ pub enum Lens {
     },
     /// Half height of the view in scene units; the half width follows from the image's shape.
     Orthographic {
+        /// Width over height that the file asks for, if it does: the default image shape.
+        aspect: Option<f64>,
         /// Half height.
         ymag: f64,
     },

@@ -18,16 +18,40 @@ pub struct Frame {
     pub horizon: [f32; 4],
 }
 
-/// Place and validity of an irradiance record; `Record` in GLSL.
+/// Place and validity of a record of a batch; `Record` in GLSL.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Record {
-    /// Position; radius of the zone of influence.
+    /// Position; R in world units, without any limit.
     pub position: [f32; 4],
     /// Shading normal; 1/R, unclamped.
     pub normal: [f32; 4],
-    /// Geometric normal; footprint of a pixel.
+    /// Geometric normal.
     pub geometric: [f32; 4],
+}
+
+/// A record that is kept; `Kept` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Kept {
+    /// Position; R in world units, without any limit.
+    pub position: [f32; 4],
+    /// Shading normal; 1/R by the harmonic mean distance.
+    pub normal: [f32; 4],
+    /// Geometric normal; largest 1/(forward distance) of the horizon.
+    pub geometric: [f32; 4],
+    /// First axis of the capture.
+    pub tangent: [f32; 4],
+}
+
+/// What an index of records holds of each; `Entry` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Entry {
+    /// Position; R, negative for what is not a number.
+    pub place: [f32; 4],
+    /// Shading normal, octahedral; number of the record; its reach as its neighbours clamp it (bits).
+    pub about: [u32; 4],
 }
 
 /// What a record carries; `Payload` in GLSL.
@@ -123,6 +147,8 @@ pub struct FaceTexel {
 const _: () = {
     assert!(size_of::<Frame>() == 80);
     assert!(size_of::<Record>() == 48);
+    assert!(size_of::<Kept>() == 64);
+    assert!(size_of::<Entry>() == 32);
     assert!(size_of::<Payload>() == 112);
     assert!(size_of::<LightSample>() == 48);
     assert!(size_of::<EmitterFace>() == 48);

@@ -22,6 +22,7 @@ mod device;
 mod export;
 mod gltf_conformance;
 mod hidden;
+mod kept_records;
 mod leaks;
 mod levels;
 mod masks;

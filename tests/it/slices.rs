@@ -52,7 +52,7 @@ fn furnace(device: &Arc<Device>, scene: &Scene, mode: CaptureMode, places: &[[Ve
     let new = |bytes: usize, memory| Buffer::new(device, "records", (count * bytes) as u64, memory).unwrap();
     let records = new(size_of::<Record>(), Memory::Device);
     let [payloads, results] = [Memory::Device, Memory::Readback].map(|memory| new(size_of::<Payload>(), memory));
-    let limits = Limits { accuracy: 1.0, min_radius: f32::MIN_POSITIVE, max_radius: f32::MAX, scene_radius: 1.0 };
+    let limits = Limits { scene_radius: 1.0 };
     let (both, quantities) = ((&records, &payloads), (GRADIENTS, Radius::Harmonic));
     let integrate = Integrate::new(device, &geometry, &captures.captured(), both, None, quantities, limits).unwrap();
     let frame = |[p, n]: &[Vec3; 2]| {

@@ -19,8 +19,8 @@ use std::path::PathBuf;
 pub struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
-    /// Image to write: .exr (linear floats, with layers) or .png (tone-mapped)
-    #[arg(short, long, value_name = "OUT.exr|OUT.png")]
+    /// Image to write: .exr (linear floats, with layers), .hdr (linear, colour alone), .png or .jpg (tone-mapped)
+    #[arg(short, long, value_name = "OUT.exr|hdr|png|jpg")]
     pub(super) output: PathBuf,
     #[command(flatten)]
     pub(super) image: ImageArgs,
@@ -29,10 +29,10 @@ pub struct RenderArgs {
     /// [default: direct,indirect,irradiance,albedo,N,P,Z]
     #[arg(long, value_name = "LIST|all", help_heading = "Image")]
     pub(super) layers: Option<LayerSet>,
-    /// Exposure of a PNG in stops, -100 to 100; auto, the default, brings the mean of the logarithms to middle grey
+    /// Exposure of a PNG or JPEG in stops, -100 to 100; auto, the default, brings the mean of the logarithms to middle grey
     #[arg(long, value_name = "auto|STOPS", allow_hyphen_values = true, help_heading = "Image")]
     pub(super) exposure: Option<Exposure>,
-    /// Tone mapping of a PNG: agx, srgb (clamped) or reinhard
+    /// Tone mapping of a PNG or JPEG: agx, srgb (clamped) or reinhard
     /// [default: agx]
     #[arg(long, value_name = "NAME", help_heading = "Image")]
     pub(super) tone: Option<ToneMap>,

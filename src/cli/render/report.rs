@@ -11,10 +11,9 @@ use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
 use hemicube::report::stats::{LeftOut, Memory, Plan as PlanStats, SceneStats, Stats};
 use hemicube::report::trace::Trace;
-use hemicube::scene::Scene;
+use hemicube::scene::{Camera, Scene};
 use hemicube::vk::{Device, Span};
 use serde_json::json;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -67,6 +66,32 @@ impl Report {
         }
     }
 
+    /// What the picture was made with, for the file that holds it. Nothing in it depends on when, or by what name it is written.
+    pub fn made_with(
+        &self,
+        args: &RenderArgs,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Vec<(&'static str, String)> {
+        let cache = &settings.cache;
+        let asked = args.scene.camera.as_deref().unwrap_or("default");
+        vec![
+            ("scene", scene.name.clone()),
+            ("scene hash", format!("{:016x}", scene.fingerprint())),
+            ("triangles", scene.triangles.len().to_string()),
+            ("camera", if camera.name.is_empty() { asked.to_owned() } else { camera.name.clone() }),
+            ("lens", format!("{:?}", camera.lens)),
+            ("size", format!("{}x{}", settings.width, settings.height)),
+            ("device", self.device.physical.name.clone()),
+            ("bounces", settings.bounces.to_string()),
+            ("seed", cache.seed.to_string()),
+            ("cache", format!("{cache:?}")),
+            ("lights", format!("{:?}", settings.lights)),
+            ("background", args.scene.background.clone().unwrap_or_else(|| "of the scene".into())),
+        ]
+    }
+
     /// With `-v`, says what runs, and what does not and why.
     pub fn plan(&self, plan: &Plan) {
         if !self.talk.verbose {
@@ -114,18 +139,23 @@ impl Report {
     /// Prints the table and writes the files.
     pub fn finish(
         &self,
+        args: &RenderArgs,
         scene: &Scene,
         rendered: &Rendered,
-        output: &Path,
-        stats: Option<&Path>,
-        trace: Option<&Path>,
+        made_with: &[(&'static str, String)],
     ) -> Result<()> {
         let profile = self.profile(rendered);
         let messages = self.device.instance.validation_messages();
-        if let Some(path) = stats {
-            self.stats(scene, rendered, &profile, messages).write(path)?;
+        if let Some(path) = &args.stats {
+            let mut stats = self.stats(scene, rendered, &profile, messages);
+            let command: Vec<_> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+            stats.extra.insert("command".into(), json!(command));
+            let made_with: serde_json::Map<_, _> =
+                made_with.iter().map(|(name, value)| ((*name).to_owned(), json!(value))).collect();
+            stats.extra.insert("made_with".into(), made_with.into());
+            stats.write(path)?;
         }
-        if let Some(path) = trace {
+        if let Some(path) = &args.trace {
             self.trace(rendered).write(path)?;
         }
         if !self.talk.quiet {
@@ -135,7 +165,7 @@ impl Report {
                 rendered.cache.records,
                 rendered.cache.rounds,
                 rendered.memory.peak >> 20,
-                output.display()
+                args.output.display()
             );
             if let Some(work) = rendered.cache.work {
                 let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);

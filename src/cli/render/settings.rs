@@ -55,7 +55,7 @@ impl RenderArgs {
                 let layers = self.layers.clone().unwrap_or_default();
                 Plane::ALL.into_iter().filter(|p| layers.contains(layer_name(*p))).collect()
             }
-            Kind::Png => vec![Plane::Final],
+            _ => vec![Plane::Final],
         };
         settings
     }

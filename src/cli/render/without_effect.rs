@@ -7,13 +7,13 @@ use crate::cli::choices::CaptureArg;
 impl RenderArgs {
     /// A note for each given flag that has no effect on a picture of this `kind`.
     pub(super) fn without_effect(&self, kind: Kind) -> Vec<String> {
-        let (exr, png) = (kind == Kind::Exr, kind == Kind::Png);
+        let (linear, exr) = (kind.is_linear(), kind == Kind::Exr);
         let (plane, slices) = (self.capture == CaptureArg::Plane, self.capture == CaptureArg::Slices);
         let background = self.scene.background.is_some();
         let flags = [
-            ("--exposure", self.exposure.is_some() && exr, "an EXR holds radiance"),
-            ("--tone", self.tone.is_some() && exr, "an EXR holds radiance"),
-            ("--layers", self.layers.is_some() && png, "a PNG holds the picture alone"),
+            ("--exposure", self.exposure.is_some() && linear, "the file holds radiance"),
+            ("--tone", self.tone.is_some() && linear, "the file holds radiance"),
+            ("--layers", self.layers.is_some() && !exr, "only an EXR has layers"),
             ("--aperture", self.aperture.is_some() && !plane, "it belongs to --capture plane"),
             ("--compensation", self.compensation.is_some() && !plane, "it belongs to --capture plane"),
             ("--slices", self.slices.is_some() && !slices, "it belongs to --capture slices"),

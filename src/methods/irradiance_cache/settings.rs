@@ -2,7 +2,9 @@
 
 use crate::math::capture::Projection;
 use crate::methods::captures::{CaptureMode, CaptureSettings};
+use crate::methods::records::Shape;
 use crate::passes::integrate::{Gradients, Radius};
+use crate::passes::keep_records::Horizon;
 use crate::passes::splat::Weight;
 
 /// Texels a side from which captures tell the usual [`CacheSettings::contrast`] from their own error.
@@ -53,6 +55,12 @@ impl CacheSettings {
     pub fn captures(&self) -> CaptureSettings {
         let Self { capture, capture_size, lod_error, share_views, .. } = *self;
         CaptureSettings { mode: capture, size: capture_size, lod_error, shared: share_views }
+    }
+
+    /// What a store keeps of the records of such a cache.
+    pub fn kept(&self, has_sky: bool) -> Shape {
+        let horizon = self.rejects_hidden().then_some(Horizon { size: self.capture_size });
+        Shape { payloads: if has_sky { 2 } else { 1 }, horizon }
     }
 
     /// The contrast from which records of captures of this size can be told to disagree: c · max(1, [`CONTRAST_SIZE`]/N) with N

@@ -112,7 +112,8 @@ fn lens(camera: &json::Camera) -> Result<Lens> {
             if !(ymag > 0.0 && ymag.is_finite()) {
                 return Err(Fault::invalid("ymag is 0 or not finite"));
             }
-            Ok(Lens::Orthographic { ymag })
+            let aspect = Some(f64::from(o.xmag).abs() / ymag).filter(|aspect| *aspect > 0.0 && aspect.is_finite());
+            Ok(Lens::Orthographic { ymag, aspect })
         }
         (None, None) => Err(Fault::invalid("has neither perspective nor orthographic")),
     }

@@ -58,7 +58,7 @@ fn cameras_are_rigid_and_named() {
 }
 
 #[test]
-fn orthographic_cameras_give_half_heights() {
+fn orthographic_cameras_give_half_heights_and_a_shape() {
     let lens = json!({"type": "orthographic", "orthographic": {"xmag": 3, "ymag": 2, "znear": 0, "zfar": 9}});
-    assert_eq!(camera(lens, json!({"camera": 0})).cameras[0].lens, Lens::Orthographic { ymag: 2.0 });
+    assert_eq!(camera(lens, json!({"camera": 0})).cameras[0].lens, Lens::Orthographic { ymag: 2.0, aspect: Some(1.5) });
 }

@@ -130,3 +130,43 @@ fn help_has_the_defaults_and_a_short_form() {
     let short = hemicube(folder.path(), "render -h").out;
     assert!(short.lines().count() < 75 && short.contains("--help"), "{} lines\n{short}", short.lines().count());
 }
+
+#[test]
+fn a_result_holds_what_it_was_made_with() {
+    let folder = folder();
+    let run = hemicube(folder.path(), &format!("render -o a.exr {SIZE} --seed 7 --accuracy 0.5 --stats a.json"));
+    assert!(run.is_clean(), "{run:?}");
+    use exr::prelude::*;
+    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let file = reader.all_attributes().from_file(folder.path().join("a.exr")).unwrap();
+    let attributes = &file.layer_data.attributes;
+    let hash = format!("scene hash: {:016x}", hemicube::scene::cornell().fingerprint());
+    let comments = attributes.comments.as_ref().unwrap().to_string();
+    for words in ["scene: cornell", &hash, "seed: 7", "accuracy: 0.5", "size: 32x32", "device: "] {
+        assert!(comments.contains(words), "no {words:?}: {comments}");
+    }
+    assert!(attributes.software_name.as_ref().unwrap().to_string().starts_with("hemicube "));
+    // A point in front of the camera has a positive z there.
+    let m = attributes.world_to_camera.unwrap();
+    let camera = hemicube::scene::cornell().cameras[0].camera_to_world;
+    let ahead = (camera * glam::DVec4::new(0.25, 0.5, -2.0, 1.0)).as_vec4().to_array();
+    let seen: Vec<f32> = (0..3).map(|k| (0..4).map(|i| ahead[i] * m[4 * i + k]).sum()).collect();
+    assert!(seen.iter().zip([0.25, 0.5, 2.0]).all(|(is, should)| (is - should).abs() < 1e-4), "{seen:?}");
+    let stats = super::read_json(&folder.path().join("a.json"));
+    assert!(stats["command"].to_string().contains("--seed") && stats["made_with"]["seed"] == "7", "{stats}");
+}
+
+#[test]
+fn other_formats_by_extension_and_completions() {
+    let folder = folder();
+    for name in ["box.jpg", "box.hdr", "box.JPEG"] {
+        let run = hemicube(folder.path(), &format!("render -o {name} {SIZE}"));
+        assert!(run.is_clean() && run.err.contains("exposure ") != name.ends_with("hdr"), "{run:?}");
+        let bytes = std::fs::read(folder.path().join(name)).unwrap();
+        assert!(bytes.starts_with(if name.ends_with("hdr") { b"#?RADIANCE" } else { b"\xff\xd8\xff" }), "{name}");
+    }
+    for shell in ["bash", "zsh", "fish"] {
+        let run = hemicube(folder.path(), &format!("completions {shell}"));
+        assert!(run.code == 0 && run.out.contains("capture-size"), "{shell}: {}", run.err);
+    }
+}

@@ -34,7 +34,7 @@ fn bad_input_is_one_line_and_leaves_nothing() {
         ("good.gltf -o no/new.exr", 2, "no/new.exr"),
         ("good.gltf -o folder.exr", 2, "folder.exr"),
         ("good.gltf -o good.gltf/new.exr", 2, "good.gltf/new.exr"),
-        ("good.gltf -o new.jpg", 2, "new.jpg"),
+        ("good.gltf -o new.bmp", 2, "new.bmp"),
         ("good.gltf -o new", 2, "new"),
         ("good.gltf -o new.exr --stats no/s.json", 2, "no/s.json"),
         ("good.gltf -o new.exr --trace no/t.json", 2, "no/t.json"),
