@@ -37,9 +37,8 @@ fn baked(scene: &Scene, settings: &BakeSettings) -> (Volume, Placement) {
     found
 }
 
-/// Between the bright outside and a dark room of 2.2 m are walls of 5 cm; samples are half a metre apart. What is read in the room is
-/// far below 1 % of what is read outside in the mean, and above that at few points, next to the room's edges; without the guard it
-/// is much more.
+/// Between the bright outside and a dark room of 2.2 m are walls of 5 cm; samples are half a metre apart. What is read in the room, 5 cm
+/// and more from its walls, is at most 1 % of what is read outside; without the guard it is much more.
 #[test]
 fn walls_of_five_centimetres_keep_light_out() {
     let mut b = Builder::default();
@@ -61,14 +60,13 @@ fn walls_of_five_centimetres_keep_light_out() {
     {
         let mean = |point, guard| reader.read(point, ReadSettings { interpolation, guard }).unwrap()[0].y;
         let outside = mean(dvec3(-1.7, 1.5, -1.7), true);
-        let (mut worst, mut plain, mut sum, mut bright) = (0.0_f64, 0.0_f64, 0.0, 0);
+        let (mut worst, mut plain, mut sum) = (0.0_f64, 0.0_f64, 0.0);
         let steps = 16;
         for i in 0..steps * steps * steps {
             let t = dvec3((i % steps) as f64, (i / steps % steps) as f64, (i / steps / steps) as f64) + 0.5;
             // 5 cm and more from the walls.
             let point = low + 0.05 + t / steps as f64 * (high - low - 0.1);
             worst = worst.max(mean(point, true).abs() / outside);
-            bright += u32::from(mean(point, true).abs() / outside > 0.01);
             sum += mean(point, true).abs() / outside / (steps * steps * steps) as f64;
             plain = plain.max(mean(point, false).abs() / outside);
         }
@@ -78,7 +76,7 @@ fn walls_of_five_centimetres_keep_light_out() {
             1e2 * sum,
             1e2 * plain
         );
-        assert!(sum < 1e-3 && bright < 41 && plain > 0.1, "{interpolation:?}: {sum} {bright} {plain}");
+        assert!(worst < 0.01 && plain > 0.1, "{interpolation:?}: {worst} {plain}");
     }
 }
 
