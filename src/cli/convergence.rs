@@ -11,6 +11,7 @@ mod task;
 mod truth;
 
 use super::say::remark;
+use super::stop;
 use anyhow::{Context, Result, ensure};
 pub use args::{ConvergenceArgs, MethodArg};
 use eta::Eta;
@@ -106,6 +107,8 @@ fn measure_all(bench: &mut Bench, folder: &mut Folder) -> Result<Option<String>>
     if let Some(load) = Machine::load().filter(|load| *load > 0.5 && !missing.is_empty() && !args.quiet) {
         remark!("note: this machine is busy with something else (load {load:.1}): clock times will be too long");
     }
+    let kept = args.output.display();
+    stop::keeps(format!("the points measured so far are in {kept}; the same command measures the others"));
     let mut eta = Eta::new(&missing);
     let stage = Progress::new(args.quiet).stage("points", missing.len() as u64);
     for (index, task) in missing.iter().enumerate() {

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, the flags they share in [`common`], what they print by [`say`].
 //!
-//! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost.
+//! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost; 130
+//! stopped by a signal.
 
 mod bake;
 mod choices;
@@ -14,6 +15,7 @@ mod probe;
 mod reference;
 mod render;
 pub mod say;
+mod stop;
 
 use anyhow::Result;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -55,6 +57,7 @@ pub fn parse() -> Cli {
 
 /// Runs the chosen subcommand.
 pub fn run(cli: Cli) -> Result<ExitCode> {
+    stop::handle_signals();
     let code = match cli.command {
         Command::Bake(args) => bake::run(&args),
         Command::Render(args) => render::run(&args),

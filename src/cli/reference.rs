@@ -7,6 +7,7 @@ mod setup;
 
 use super::choices::{GradientsArg, WeightArg};
 use super::common::{ImageArgs, SceneArgs, parse_seconds};
+use super::stop;
 use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use hemicube::reference::ward::{Gradients, Weight};
@@ -188,7 +189,10 @@ fn trace(args: &ReferenceArgs, job: &Job, tracer: &Tracer, view: View) -> Result
 }
 
 fn save(run: &Progressive, path: &Path) -> Result<()> {
-    run.save(path).context("the state of the run is lost")
+    run.save(path).context("the state of the run is lost")?;
+    let (spp, path) = (run.spp(), path.display());
+    stop::keeps(format!("the state after {spp} paths a pixel is in {path}; the same command goes on from there"));
+    Ok(())
 }
 
 fn cached(args: &ReferenceArgs, job: &Job, tracer: &Tracer, view: View) -> Output {

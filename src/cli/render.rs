@@ -10,6 +10,7 @@ pub use args::RenderArgs;
 
 use super::common::{TalkArgs, check_output};
 use super::say::remark;
+use super::stop;
 use anyhow::{Result, bail};
 use hemicube::image::tone::{Exposure, Look, auto_stops};
 use hemicube::image::{Picture, exr, png};
@@ -84,6 +85,7 @@ fn write(
         Kind::Png => png::write(&args.output, picture, "", look())?,
         Kind::Jpeg => png::write_jpeg(&args.output, picture, "", look())?,
     }
+    stop::keeps(format!("{} is complete", args.output.display()));
     Ok(())
 }
 

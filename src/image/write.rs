@@ -1,8 +1,13 @@
 //! Files that are either complete or not there.
+//!
+//! A file is written under a temporary name and renamed. A program that is stopped removes its temporary files
+//! ([`remove_unfinished`]); those of one that was killed are removed by the next one that writes into the folder.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 use thiserror::Error;
 
 /// A file that could not be written; nothing of it is left, and a file that was there before is as it was.
@@ -53,15 +58,63 @@ fn try_write(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> io::Result<()>) ->
         _ => Path::new("."),
     };
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".hemicube-");
+    builder.prefix(PREFIX);
     #[cfg(unix)]
     builder.permissions(permissions(&target));
+    remove_abandoned(folder);
     let temporary = builder.tempfile_in(folder)?;
+    let _registered = Registered::new(temporary.path());
+    // Where a file system has no locks, age alone protects the file.
+    let _ = temporary.as_file().lock();
     let mut buffered = BufWriter::new(temporary);
     fill(&mut buffered)?;
     let temporary = buffered.into_inner().map_err(|error| error.into_error())?;
     temporary.persist(&target).map_err(|error| error.error)?;
     Ok(())
+}
+
+/// Start of a temporary file's name.
+const PREFIX: &str = ".hemicube-";
+
+/// Age from which an unlocked temporary file was left by a program that was killed: a live one locks its file at once.
+const ABANDONED: Duration = Duration::from_secs(60);
+
+/// Temporary files that this process writes now.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+struct Registered(PathBuf);
+
+impl Registered {
+    fn new(path: &Path) -> Self {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Registered {
+    fn drop(&mut self) {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| *path != self.0);
+    }
+}
+
+/// Removes the temporary files of this process, which is about to end; nothing of what they were to become is left.
+pub fn remove_unfinished() {
+    for path in UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).drain(..) {
+        // It may have been renamed a moment ago.
+        let _ = fs::remove_file(path);
+    }
+}
+
+/// Removes temporary files that nobody writes: old and not locked. What cannot be read or removed stays.
+fn remove_abandoned(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX)) {
+        let age = entry.metadata().ok().filter(fs::Metadata::is_file).and_then(|m| m.modified().ok()?.elapsed().ok());
+        let is_free = || File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+        if age.is_some_and(|age| age >= ABANDONED) && is_free() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Those of the file that is replaced, else the usual ones: temporary files are private by default, results are not.
@@ -106,6 +159,25 @@ mod tests {
         assert!(message.contains("a.txt") && message.contains("free some space"), "{message}");
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(names(folder.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn files_of_killed_programs_are_removed_and_no_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let make = |name: &str, age: u64| {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(std::time::SystemTime::now() - Duration::from_secs(age)).unwrap();
+            file
+        };
+        make(".hemicube-old", 3600);
+        make(".hemicube-new", 1);
+        make(".other-old", 3600);
+        let locked = make(".hemicube-locked", 3600);
+        locked.lock().unwrap();
+        write_atomic(&folder.path().join("a.txt"), |_| Ok(())).unwrap();
+        let mut left = names(folder.path());
+        left.sort();
+        assert_eq!(left, [".hemicube-locked", ".hemicube-new", ".other-old", "a.txt"]);
     }
 
     #[test]

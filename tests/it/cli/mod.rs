@@ -7,6 +7,8 @@ mod pictures;
 mod probe;
 mod refusals;
 mod reports;
+#[cfg(unix)]
+mod stops;
 mod unread;
 mod volume;
 
