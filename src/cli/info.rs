@@ -7,7 +7,7 @@ use clap::Args;
 use hemicube::methods::rates::Rates;
 use hemicube::passes::geometry::SurfaceSize;
 use hemicube::renderer::{Plan, Settings, check_memory, largest_of, memory_needs};
-use hemicube::scene::Scene;
+use hemicube::scene::{Camera, Lens, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
 use std::process::ExitCode;
 
@@ -44,7 +44,7 @@ fn describe(scene: &Scene, note: Option<&str>) {
     say!("vertices   {}", scene.positions.len());
     say!("materials  {} in use, {} textures", scene.parts.len(), scene.textures.len());
     say!("lights     {} punctual, {} emissive triangles", scene.lights.len(), scene.emitters().len());
-    let cameras: Vec<_> = scene.cameras.iter().map(|c| format!("\"{}\"", c.name)).collect();
+    let cameras: Vec<_> = scene.cameras.iter().enumerate().map(camera).collect();
     say!("cameras    {}", if cameras.is_empty() { "none".into() } else { cameras.join(", ") });
     if !scene.animations.is_empty() {
         let animations: Vec<_> =
@@ -69,6 +69,15 @@ fn describe(scene: &Scene, note: Option<&str>) {
     for left in plan.left_out() {
         say!("left out   {} ({})", left.pass, left.why);
     }
+}
+
+/// A camera as `--camera` takes it, by index or name, with its lens.
+fn camera((index, camera): (usize, &Camera)) -> String {
+    let lens = match camera.lens {
+        Lens::Perspective { yfov, .. } => format!("{:.1}° high", yfov.to_degrees()),
+        Lens::Orthographic { ymag, .. } => format!("orthographic, {} high", 2.0 * ymag),
+    };
+    format!("{index} \"{}\" ({lens})", camera.name)
 }
 
 fn devices(measure: bool) -> Result<()> {

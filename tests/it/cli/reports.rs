@@ -107,6 +107,9 @@ fn info_lists_devices_and_needs() {
     ] {
         assert!(run.out.contains(words), "no {words:?}: {}", run.out);
     }
+    let cornell = concat!("info ", env!("CARGO_MANIFEST_DIR"), "/assets/cornell.gltf");
+    let of_box = hemicube(folder.path(), cornell);
+    assert!(of_box.out.contains("cameras    0 \"camera\" (39.3° high)"), "{}", of_box.out);
     // A pass runs or is left out; the plan of a frame agrees.
     let stats = folder.path().join("stats.json");
     run_with_stats(folder.path());
