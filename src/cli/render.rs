@@ -1,8 +1,10 @@
-//! `hemicube render`: one image with indirect light.
+//! `hemicube render`: an image with indirect light, or a sequence of them.
 
 mod args;
 mod choices;
+mod path;
 mod report;
+mod sequence;
 mod settings;
 mod without_effect;
 
@@ -31,6 +33,9 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     for path in [Some(&args.output), args.stats.as_ref(), args.trace.as_ref()].into_iter().flatten() {
         check_output(path)?;
     }
+    if let Some(path) = path::CameraPath::new(&args.path, &args.scene)? {
+        return sequence::run(args, path, picture_kind, started);
+    }
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, picture_kind);
@@ -48,7 +53,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     report.check(&rendered);
     let writing = Instant::now();
     let made_with = report.made_with(args, &scene, &camera, &settings);
-    write(args, picture_kind, &rendered.picture, &made_with, &camera)?;
+    let file = Destination { path: &args.output, made_with: &made_with, camera: &camera };
+    write(args, (picture_kind, args.exposure.unwrap_or_default()), &rendered.picture, &file)?;
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
         report.measure()?;
@@ -68,25 +74,33 @@ fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
     args.without_effect(kind).iter().for_each(|note| remark!("note: {note}"));
 }
 
+/// A file that a picture is written to, and what it says of itself.
+struct Destination<'a> {
+    path: &'a Path,
+    made_with: &'a [(&'static str, String)],
+    camera: &'a Camera,
+}
+
+/// Writes a picture; the exposure that it was given.
 fn write(
     args: &RenderArgs,
-    kind: Kind,
+    (kind, mut exposure): (Kind, Exposure),
     picture: &Picture,
-    made_with: &[(&str, String)],
-    camera: &Camera,
-) -> Result<()> {
-    let look = || {
-        let stops = stops(args.exposure.unwrap_or_default(), picture, args.talk.quiet);
+    to: &Destination<'_>,
+) -> Result<Exposure> {
+    let mut look = || {
+        let stops = stops(exposure, picture, args.talk.quiet);
+        exposure = Exposure::Stops(stops);
         Look { tone: args.tone.unwrap_or_default(), stops }
     };
     match kind {
-        Kind::Exr => exr::write_seen(&args.output, picture, made_with, Some(world_to_camera(camera)))?,
-        Kind::Hdr => png::write_hdr(&args.output, picture, "")?,
-        Kind::Png => png::write(&args.output, picture, "", look())?,
-        Kind::Jpeg => png::write_jpeg(&args.output, picture, "", look())?,
+        Kind::Exr => exr::write_seen(to.path, picture, to.made_with, Some(world_to_camera(to.camera)))?,
+        Kind::Hdr => png::write_hdr(to.path, picture, "")?,
+        Kind::Png => png::write(to.path, picture, "", look())?,
+        Kind::Jpeg => png::write_jpeg(to.path, picture, "", look())?,
     }
-    stop::keeps(format!("{} is complete", args.output.display()));
-    Ok(())
+    stop::keeps(format!("{} is complete", to.path.display()));
+    Ok(exposure)
 }
 
 /// OpenEXR's `worldToCamera`: row vectors, y up, z in the direction of sight.
@@ -117,19 +131,32 @@ fn run_with_progress(
     report: &Report,
     talk: TalkArgs,
 ) -> Result<Rendered> {
-    let progress = Progress::new(talk.quiet);
-    let mut stage: Option<(&'static str, Stage)> = None;
-    let mut hear = |name, done, all| {
-        if stage.as_ref().is_none_or(|(current, _)| *current != name) {
-            stage = Some((name, progress.stage(name, all)));
-        }
-        if let Some((_, stage)) = &stage {
-            stage.advance(u64::saturating_sub(done, stage.done()));
-        }
-    };
+    let mut listener = Listener::new(talk);
+    let mut hear = |name, done, all| listener.hear(name, done, all);
     let mut renderer = Renderer::open(device, scene, settings, &mut hear)?;
     report.plan(renderer.plan());
     Ok(renderer.render(camera, &settings.view(), &mut hear)?)
+}
+
+/// Shows the progress of the renderer's stages.
+struct Listener {
+    progress: Progress,
+    stage: Option<(&'static str, Stage)>,
+}
+
+impl Listener {
+    fn new(talk: TalkArgs) -> Self {
+        Self { progress: Progress::new(talk.quiet), stage: None }
+    }
+
+    fn hear(&mut self, name: &'static str, done: u64, all: u64) {
+        if self.stage.as_ref().is_none_or(|(current, _)| *current != name) {
+            self.stage = Some((name, self.progress.stage(name, all)));
+        }
+        if let Some((_, stage)) = &self.stage {
+            stage.advance(done.saturating_sub(stage.done()));
+        }
+    }
 }
 
 /// Kind of the output file.

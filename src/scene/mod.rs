@@ -9,6 +9,7 @@
 mod background;
 pub mod build;
 mod camera;
+mod change;
 mod cornell;
 pub mod emission;
 mod error;

@@ -1,6 +1,7 @@
 //! The flags of `hemicube render`.
 
 use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use super::path::PathArgs;
 use crate::cli::choices::{CaptureArg, GradientsArg, WeightArg};
 use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
 use clap::Args;
@@ -9,7 +10,7 @@ use hemicube::image::tone::{Exposure, ToneMap};
 use hemicube::renderer::Settings;
 use std::path::PathBuf;
 
-/// Render one image with indirect light by irradiance-cache splatting
+/// Render an image, or the frames of a camera's path, with indirect light by irradiance-cache splatting
 ///
 /// Draws a G-buffer, lights the surfaces once, then places irradiance records in rounds from coarse to fine: each is
 /// captured as a multi-view hemicube, integrated and splatted over the pixels it is valid for, until every visible pixel
@@ -22,6 +23,8 @@ pub struct RenderArgs {
     /// Image to write: .exr (linear floats, with layers), .hdr (linear, colour alone), .png or .jpg (tone-mapped)
     #[arg(short, long, value_name = "OUT.exr|hdr|png|jpg")]
     pub(super) output: PathBuf,
+    #[command(flatten)]
+    pub(super) path: PathArgs,
     #[command(flatten)]
     pub(super) image: ImageArgs,
     /// Layers of the EXR besides R,G,B: direct, indirect, irradiance, irradiance_direct, albedo, emission, N, P, Z,
@@ -161,6 +164,8 @@ Examples:
   hemicube render sponza.gltf -o sponza.png --exposure 1
   hemicube render sponza.gltf -o sponza.exr --width 640 --height 360 --accuracy 0.2 --stats sponza.json
   hemicube render room.glb -o room.exr --background sky.exr --layers all --trace room.trace.json
+  hemicube render walk.glb -o walk.%04d.png --frames 0-239 --fps 24
+  hemicube render sponza.gltf -o turn.png --frames 0-59 --orbit 90 --stats turn.json
 
 A draft, in half to a sixth of the time, with three times the error: --accuracy 1 --capture-size 16 --contrast 0 --surface-cells 60000
 --min-radius .06 --max-radius .1

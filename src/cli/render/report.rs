@@ -28,6 +28,7 @@ pub struct Report {
     device: Arc<Device>,
     stages: Vec<(String, f64)>,
     rates: Option<Rates>,
+    extra: Vec<(&'static str, serde_json::Value)>,
 }
 
 impl Report {
@@ -40,6 +41,7 @@ impl Report {
             device: device.clone(),
             stages: Vec::new(),
             rates: None,
+            extra: Vec::new(),
         }
     }
 
@@ -124,8 +126,18 @@ impl Report {
 
     /// Takes over the renderer's stages.
     pub fn rendered(&mut self, rendered: &Rendered, writing: Duration) {
-        self.stages.extend(rendered.stages.iter().map(|(name, span)| (name.clone(), span.end_ms - span.begin_ms)));
+        for (name, span) in &rendered.stages {
+            match self.stages.iter_mut().find(|(known, _)| known == name) {
+                Some((_, all_ms)) => *all_ms += length(span),
+                None => self.stages.push((name.clone(), length(span))),
+            }
+        }
         self.stage("write image", writing);
+    }
+
+    /// Adds a value to the statistics.
+    pub fn extra(&mut self, key: &'static str, value: serde_json::Value) {
+        self.extra.push((key, value));
     }
 
     /// Measures what the device does at most.
@@ -233,6 +245,7 @@ impl Report {
                 "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});
             stats.extra.insert("work".into(), work);
         }
+        stats.extra.extend(self.extra.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
         stats.validation_messages = u64::from(messages);
         stats.set_times(profile);
         stats

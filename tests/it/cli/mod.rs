@@ -7,6 +7,7 @@ mod pictures;
 mod probe;
 mod refusals;
 mod reports;
+mod sequences;
 #[cfg(unix)]
 mod stops;
 mod unread;
