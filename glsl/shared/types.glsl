@@ -41,8 +41,8 @@ struct Payload {
 
 // One sample of a light: a punctual light, or a point on an emissive triangle.
 struct LightSample {
-    vec4 position;   // xyz; w: disc radius² of an area sample (its area / π)
-    vec4 direction;  // axis: where a directional light goes, a spot points, an emitter faces; w: 1 − cos of a spot's outer angle
+    vec4 position;   // xyz; w: disc radius² of an area sample (its area / π), or outer radius of a cascade about xyz
+    vec4 direction;  // axis: where a directional light goes, a spot points, an emitter faces; w: 1 − cos of a spot's outer angle, or inner radius of a cascade
     vec4 power;      // irradiance (directional), intensity (point, spot), radiance × area (area sample); w: 1/(cos inner − cos outer)
 };
 

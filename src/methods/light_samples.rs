@@ -4,9 +4,10 @@
 //! bright regions of the sky. The rest of the sky is a set of parallel lights for the surface cells alone; pixels see it by
 //! their records' captures.
 
+use super::cascades::Cascades;
 use super::emitter_samples::{EmitterSets, add_emitters};
 use super::far_view::Receivers;
-use super::light_set::{Extent, LightSet, LightSettings, NEAR, frame, parallel_frame, parallel_sample, with};
+use super::light_set::{Extent, LightSet, LightSettings, NEAR, frame, with};
 use super::sky::{SKY_SHADOW_SIZE, add_sky, add_suns, sky_stride};
 use crate::passes::shadow::LightKind::{Area, Directional, Point, Spot};
 use crate::passes::views::Views::{Cube, Hemicube, Orthographic, Plane};
@@ -49,6 +50,7 @@ pub fn light_sets(
     let spot = size(2048, count(|l| matches!(l, Light::Spot { .. })));
     let area = settings.shadow_size;
     let receivers = Receivers::of(scene, extent);
+    let cascades = Cascades::of(scene, extent);
     let mut sets = Sets {
         directional: LightSet::empty("directional lights", Directional, Orthographic, directional),
         point: LightSet::empty("point lights", Point, Cube, point),
@@ -59,7 +61,7 @@ pub fn light_sets(
         farthest_spot: LightSet::empty("farthest spot lights", Spot, Orthographic, spot),
     };
     for light in &scene.lights {
-        add_punctual(light, extent, &receivers, &mut sets);
+        add_punctual(light, extent, (&receivers, &cascades), &mut sets);
     }
     let mut emitters = EmitterSets {
         even: LightSet::empty("emissive triangles", Area, Hemicube, area),
@@ -70,14 +72,14 @@ pub fn light_sets(
     add_emitters(scene, extent, &receivers, settings.area_samples, &mut emitters);
     let EmitterSets { even, uneven, far_even, far_uneven } = emitters;
     let mut suns = LightSet::empty("suns of the sky", Directional, Orthographic, size(1024, 1));
-    add_suns(&scene.background, extent, settings.area_samples, &mut suns);
+    add_suns(&scene.background, &cascades, settings.area_samples, &mut suns);
     let mut areas = vec![even, uneven, far_even, far_uneven, suns];
     areas.iter_mut().for_each(|set| set.stride = EMITTER_STRIDE.min(set.samples.len().max(1) as u32));
     let mut around = LightSet::empty("sky on surfaces", Directional, Orthographic, SKY_SHADOW_SIZE);
     if sky {
         around.cells_only = true;
-        add_sky(&scene.background, extent, settings.sky_samples, &mut around);
-        around.stride = sky_stride(around.samples.len());
+        add_sky(&scene.background, &cascades, settings.sky_samples, &mut around);
+        around.stride = sky_stride(around.samples.len() / cascades.count() as usize);
     }
     let Sets { directional, point, far_point, farthest_point, spot, wide_spot, farthest_spot } = sets;
     let mut all = vec![directional, point, far_point, farthest_point, spot, wide_spot, farthest_spot];
@@ -104,12 +106,12 @@ fn shrink(largest: u32, lights: usize) -> u32 {
     (largest >> halvings as u32).max(256)
 }
 
-fn add_punctual(light: &Light, extent: Extent, receivers: &Receivers, sets: &mut Sets) {
+fn add_punctual(light: &Light, extent: Extent, (receivers, cascades): (&Receivers, &Cascades), sets: &mut Sets) {
     let near = extent.radius * NEAR;
     match *light {
         Light::Directional { direction, irradiance } => {
             if irradiance != Vec3::ZERO {
-                sets.directional.push(parallel_frame(direction, extent), parallel_sample(direction, irradiance));
+                cascades.push(direction, irradiance, &mut sets.directional);
             }
         }
         Light::Point { position, intensity } => {

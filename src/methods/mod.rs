@@ -5,6 +5,7 @@ use crate::passes::material::Textures;
 use crate::scene::Scene;
 
 pub mod captures;
+pub mod cascades;
 pub mod casters;
 pub mod direct;
 pub mod emitter_samples;

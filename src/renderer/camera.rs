@@ -8,8 +8,8 @@ use crate::passes::splat::View as SplatView;
 use crate::scene::{Camera, Lens, Scene};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
-/// Nearest visible distance relative to the scene's size.
-const NEAR: f32 = 1.0 / 65536.0;
+/// Nearest visible distance relative to the scene's size: as near as depth can be, which is reversed and so loses nothing by it.
+const NEAR: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// Matrices and axes of a view.
 pub(super) struct View {

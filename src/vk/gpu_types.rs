@@ -70,9 +70,9 @@ pub struct Payload {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LightSample {
-    /// Position; squared disc radius of an area sample.
+    /// Position, or centre of a cascade; squared disc radius of an area sample, or outer radius of a cascade, 0 for none.
     pub position: [f32; 4],
-    /// Axis; 1 − cos of a spot's outer angle.
+    /// Axis; 1 − cos of a spot's outer angle, or inner radius of a cascade.
     pub direction: [f32; 4],
     /// Irradiance, intensity, or radiance × area; a spot's falloff scale.
     pub power: [f32; 4],

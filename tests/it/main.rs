@@ -20,6 +20,7 @@ mod convergence;
 mod determinism;
 mod device;
 mod export;
+mod extents;
 mod gltf_conformance;
 mod hidden;
 mod kept_records;

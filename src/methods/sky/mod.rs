@@ -6,7 +6,8 @@
 mod split;
 mod warp;
 
-use super::light_set::{Extent, LightSet, parallel_frame, parallel_sample};
+use super::cascades::Cascades;
+use super::light_set::LightSet;
 use crate::math::sequence::fibonacci_sphere;
 use crate::scene::{Background, EnvironmentMap};
 use crate::vk::{Buffer, Device, Result};
@@ -109,14 +110,14 @@ pub(super) fn sky_stride(samples: usize) -> u32 {
 }
 
 /// Parallel lights for the surface cells: all of the sky but what [`add_suns`] takes.
-pub(super) fn add_sky(background: &Background, extent: Extent, count: u32, set: &mut LightSet) {
+pub(super) fn add_sky(background: &Background, cascades: &Cascades, count: u32, set: &mut LightSet) {
     match background {
         Background::Black => {}
         Background::Constant(radiance) => {
             for index in 0..count {
                 let direction = fibonacci_sphere(index, count);
                 let irradiance = *radiance * (4.0 * PI / count as f32);
-                set.push(parallel_frame(direction, extent), parallel_sample(direction, irradiance));
+                cascades.push(direction, irradiance, set);
             }
         }
         Background::Map(map) => {
@@ -124,14 +125,14 @@ pub(super) fn add_sky(background: &Background, extent: Extent, count: u32, set: 
             let limit = split::threshold(&fine).unwrap_or(f32::INFINITY);
             let smooth = split::reduced(&fine, OF_CELLS, limit);
             let texels = texels(&smooth, |texel| texel);
-            add(Region::new(texels).samples(&smooth, count), extent, set);
+            add(Region::new(texels).samples(&smooth, count), cascades, set);
         }
     }
 }
 
 /// The bright regions of a map as about `count` parallel lights. Each region has its share of them, and one at least; those
 /// that are too weak for it are sampled together.
-pub(super) fn add_suns(background: &Background, extent: Extent, count: u32, set: &mut LightSet) {
+pub(super) fn add_suns(background: &Background, cascades: &Cascades, count: u32, set: &mut LightSet) {
     let Background::Map(map) = background else { return };
     let fine = split::fine(map);
     let Some(limit) = split::threshold(&fine) else { return };
@@ -140,7 +141,7 @@ pub(super) fn add_suns(background: &Background, extent: Extent, count: u32, set:
     let share = |region: &Region| count as f32 * region.power.max_element() / all;
     let (strong, weak): (Vec<_>, Vec<_>) = regions(&fine, bright).into_iter().partition(|r| share(r) >= 0.5);
     for region in strong.iter().chain(&Region::together(weak)) {
-        add(region.samples(&fine, share(region).round().max(1.0) as u32), extent, set);
+        add(region.samples(&fine, share(region).round().max(1.0) as u32), cascades, set);
     }
 }
 
@@ -154,8 +155,8 @@ fn texels(map: &EnvironmentMap, light: impl Fn([f32; 3]) -> [f32; 3]) -> Vec<(u3
     map.rgb.iter().enumerate().filter_map(of).collect()
 }
 
-fn add(samples: Vec<SkySample>, extent: Extent, set: &mut LightSet) {
+fn add(samples: Vec<SkySample>, cascades: &Cascades, set: &mut LightSet) {
     for SkySample { direction, irradiance } in samples {
-        set.push(parallel_frame(-direction, extent), parallel_sample(-direction, irradiance));
+        cascades.push(-direction, irradiance, set);
     }
 }
