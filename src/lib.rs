@@ -23,7 +23,7 @@
 //! | [`image`] | layered float pictures, EXR and PNG, tone mapping, error metrics | nothing |
 //! | [`scene`] | glTF in; meshes, materials, lights, cameras, background | `math` |
 //! | [`mod@reference`] | the truth on the CPU: path tracer, Ward's octree cache | `scene`, `math`, `image` |
-//! | [`volume`] | irradiance volumes: placement of samples, interpolation, files | `math`, `image` |
+//! | [`volume`] | irradiance volumes: placement of samples, interpolation, files, engines' formats | `math`, `image` |
 //! | [`vk`] | Vulkan made plain; every `unsafe` of the renderer | nothing |
 //! | [`passes`] | one file a GPU pass, its shaders in `glsl/<same name>/` | `vk`, `scene`, `math` |
 //! | [`methods`] | techniques: passes composed | `passes`, `volume` |

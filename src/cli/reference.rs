@@ -33,8 +33,9 @@ pub struct ReferenceArgs {
     /// File to write: .exr with all layers, or .png; with --points .json
     #[arg(short, long, value_name = "OUT.exr|OUT.png|OUT.json")]
     output: PathBuf,
-    /// Trace light at points in space instead of a picture: a JSON file {"points": [[x, y, z], …]}. The result is that of `hemicube
-    /// probe`, with the standard error "se" of each point's irradiance; --spp are paths a point, 16384 by default
+    /// Trace light at points in space instead of a picture: a JSON file {"points": [[x, y, z], …]}. The result has the format of
+    /// `hemicube probe`, and the relative standard error "se" of each point's irradiance; --spp is the number of paths a point,
+    /// 16384 by default
     #[arg(long, value_name = "FILE.json", help_heading = "Points")]
     points: Option<PathBuf>,
     /// Order of the harmonics at --points, 2 to 6

@@ -3,6 +3,7 @@
 mod args;
 mod choices;
 mod path;
+mod probes;
 mod report;
 mod sequence;
 mod settings;
@@ -20,6 +21,7 @@ use hemicube::renderer::{Rendered, Renderer, Settings};
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
 use hemicube::vk::Device;
+use hemicube::volume::file;
 use report::Report;
 use std::path::Path;
 use std::process::ExitCode;
@@ -36,6 +38,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if let Some(path) = path::CameraPath::new(&args.path, &args.scene)? {
         return sequence::run(args, path, picture_kind, started);
     }
+    let volume = args.show_probes.as_deref().map(file::read).transpose()?;
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, picture_kind);
@@ -49,8 +52,11 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if !args.talk.quiet {
         warn(args, picture_kind, &scene);
     }
-    let rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
+    let mut rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
     report.check(&rendered);
+    if let Some(volume) = &volume {
+        probes::draw(&mut rendered.picture, &scene, &camera, volume);
+    }
     let writing = Instant::now();
     let made_with = report.made_with(args, &scene, &camera, &settings);
     let file = Destination { path: &args.output, made_with: &made_with, camera: &camera };

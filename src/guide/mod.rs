@@ -1,4 +1,4 @@
-//! The guide: how a frame is computed, its limits, and measurements with their commands.
+//! The guide: how a frame is computed, irradiance volumes and their file, limits, and measurements with their commands.
 
 #[doc = include_str!("method.md")]
 pub mod method {}
@@ -8,6 +8,9 @@ pub mod measurements {}
 
 #[doc = include_str!("capabilities.md")]
 pub mod capabilities {}
+
+#[doc = include_str!("volumes.md")]
+pub mod volumes {}
 
 #[doc = include_str!("limits.md")]
 pub mod limits {}

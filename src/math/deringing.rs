@@ -6,8 +6,8 @@ use glam::DVec3;
 /// No window is stronger: degree 1 is left a millionth.
 const STRONGEST: f64 = 2.5e5;
 
-/// The coefficients, degree l divided by 1 + λ l²(l + 1)²: the function of the least squared error plus λ times its squared Laplacian
-/// (Sloan 2008, "Stupid Spherical Harmonics (SH) Tricks"). Degree 0, the mean, stays.
+/// The coefficients with degree l divided by 1 + λ l²(l + 1)²: the function with the least sum of its squared error and λ times its
+/// squared Laplacian (Sloan 2008, "Stupid Spherical Harmonics (SH) Tricks"). Degree 0, the mean, stays.
 pub fn windowed(coefficients: &[f64], strength: f64) -> Vec<f64> {
     let factor = |i: usize| {
         let l = i.isqrt() as f64;

@@ -20,7 +20,7 @@ use crate::vk::{Device, Error as VulkanError};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The farthest distance that counts, of the radius of the scene's bounding sphere: all of the scene from any point of it.
+/// The farthest distance that counts, in radii of the scene's bounding sphere: all of the scene is nearer from any point in it.
 const FARTHEST: f32 = 2.0;
 
 /// How points look at the scene and how the scene is lit.
@@ -35,8 +35,8 @@ pub struct SphereProbeSettings {
     pub capture: CaptureMode,
     /// Whether gradients are computed.
     pub gradients: bool,
-    /// Whether distances are kept by direction.
-    pub distances: bool,
+    /// Keeps distances by direction, none longer than this or twice the radius of the scene's bounding sphere, whichever is longer.
+    pub distances: Option<f32>,
     /// Direct light on the surfaces.
     pub lights: LightSettings,
     /// Cells that the surfaces are cut into, about; each triangle has at least one.
@@ -84,7 +84,7 @@ impl<'a> SphereProbes<'a> {
             size: settings.capture_size,
             gradients: settings.gradients,
             in_compute,
-            distances: settings.distances.then_some(FARTHEST * geometry.radius),
+            distances: settings.distances.map(|reach| reach.max(FARTHEST * geometry.radius)),
         };
         let gather = Gather::new(device, &ground, sky.as_ref().map(Sky::captured), desc)?;
         Ok(Self { scene, geometry, textures, gather, _sky: sky })

@@ -1,4 +1,4 @@
-//! Bakes irradiance volumes: light at the places that [`crate::volume::place`] asks for, measured by captures.
+//! Bakes irradiance volumes: captures measure the light at the places that [`crate::volume::place`] asks for.
 
 use super::gather::Gathering;
 use super::probes::Result;
@@ -9,45 +9,47 @@ use crate::vk::Device;
 use crate::vk::pass::Recorder;
 use crate::volume::Volume;
 use crate::volume::place::{Adaptive, Common, Measured, Placement, Seen, adaptive, uniform};
-use glam::DVec3;
+use glam::{DVec3, UVec3};
 use std::sync::Arc;
 
-/// Where samples are.
+/// Where the samples of a volume are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Places {
-    /// So many along each axis of the box.
-    Uniform(u32),
-    /// Where light changes.
+    /// A uniform grid: the number of samples along each axis of the box, 2 at least.
+    Uniform(UVec3),
+    /// An octree that is finer where light changes.
     Adaptive(Adaptive),
 }
 
-/// How coefficients' gradients are found.
+/// How the gradients of the coefficients are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gradients {
-    /// Not at all.
+    /// No gradients.
     None,
-    /// By the edges between the texels of the sample's own capture ([`crate::math::capture::Weights`]).
+    /// From the edges between the texels of the sample's own capture ([`crate::math::capture::Weights`]).
     Edges,
-    /// By central differences of six captures around it, so far away (Tatarchuk and Oat 2005).
+    /// By central differences of six captures around the sample, at this distance from it (Tatarchuk and Oat 2005).
     Differences(f64),
 }
 
 /// How a volume is baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
-    /// How samples look at the scene; whether gradients and distances are wanted of captures is decided here.
+    /// The captures of the samples. Their `gradients` and `distances` are set by [`bake`].
     pub probes: SphereProbeSettings,
-    /// How gradients are found.
+    /// How the gradients of the coefficients are computed.
     pub gradients: Gradients,
-    /// Where they are.
+    /// Where the samples are.
     pub places: Places,
-    /// Share of triangles' backs in the sphere from which on a place is inside of geometry.
+    /// The box to fill, by its lowest and highest corner in the scene's own coordinates; [`bounds`] gives the whole scene's.
+    pub bounds: [DVec3; 2],
+    /// Share of the sphere around a sample from which on backs of triangles mean that it is inside of geometry, 0 to 1.
     pub inside: f32,
-    /// Whether moments of distances are kept, for the leak guard.
+    /// Whether samples keep the moments of their distances, for the leak guard.
     pub moments: bool,
 }
 
-/// The box that a scene's volume fills, in the scene's own coordinates. A side without length gets a thousandth of the longest.
+/// The box around a scene, in the scene's own coordinates. A side without length gets a thousandth of the longest.
 pub fn bounds(scene: &Scene) -> [DVec3; 2] {
     let (low, high) = scene.bounds();
     let [low, high] = [low, high].map(|corner| corner.as_dvec3() + scene.origin);
@@ -56,8 +58,8 @@ pub fn bounds(scene: &Scene) -> [DVec3; 2] {
     [low - spare, high + spare]
 }
 
-/// Bakes the light of `scene` in the box of its triangles. `on_progress` hears how many places a request has, at its beginning
-/// with 0 done, and how many of them were measured since.
+/// Bakes the light of `scene`. `on_progress(all, done)` is called with `done` 0 before `all` places are captured, and then with the
+/// number of places of each batch.
 ///
 /// # Errors
 /// The device's, or too many lights.
@@ -68,11 +70,12 @@ pub fn bake(
     settings: &BakeSettings,
     on_progress: &mut dyn FnMut(usize, usize),
 ) -> Result<(Volume, Placement)> {
+    let reach = (settings.bounds[1] - settings.bounds[0]).length();
     let by_edges = settings.gradients == Gradients::Edges;
-    let probe = SphereProbeSettings { distances: true, gradients: by_edges, ..settings.probes };
+    let probe = SphereProbeSettings { distances: Some(reach as f32), gradients: by_edges, ..settings.probes };
     let mut probes = SteadyProbes::new(device, recorder, scene, &probe)?;
     let common = Common {
-        bounds: bounds(scene),
+        bounds: settings.bounds,
         order: probe.order,
         bounces: "1".into(),
         inside: settings.inside,
@@ -89,12 +92,12 @@ pub fn bake(
         Gradients::None | Gradients::Edges => capture(places),
     };
     match &settings.places {
-        Places::Uniform(per_side) => uniform(&common, *per_side, &mut measure),
+        Places::Uniform(counts) => uniform(&common, *counts, &mut measure),
         Places::Adaptive(settings) => adaptive(&common, settings, &mut measure),
     }
 }
 
-/// Measures at places and at six more around each, which make its gradients.
+/// Measures at places, and at six more around each for its gradients.
 fn with_differences(
     places: &[DVec3],
     step: f64,
@@ -117,8 +120,8 @@ fn with_differences(
     Ok(found.into_iter().step_by(7).collect())
 }
 
-/// What a capture found, as a volume holds it.
-pub fn measured(found: Gathering, gradients: bool) -> Measured {
+/// The result of a capture, as [`crate::volume::place`] takes it.
+fn measured(found: Gathering, gradients: bool) -> Measured {
     let seen = |cell: &Distances| Seen { moments: cell.moments, backs: cell.backs, nearness: cell.nearness };
     Measured {
         coefficients: found.projected.coefficients,

@@ -1,5 +1,5 @@
-//! Distances that captures see, by direction: what tells whether a place is inside of geometry, and which probes a wall hides from
-//! a point. The directions are cells of an octahedral map ([`octahedron`]).
+//! Distances that captures see, by direction. They show whether a place is inside of geometry, and which samples of a volume a wall
+//! hides from a point. The directions are cells of an octahedral map ([`octahedron`]).
 
 use super::gathered::Gathered;
 use crate::math::capture::Table;
@@ -11,7 +11,7 @@ use bytemuck::{Pod, Zeroable};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// Directions that are told apart (`CELLS` of the shader).
+/// Number of the map's cells (`CELLS` of the shader).
 pub const CELLS: usize = octahedron::CELLS;
 
 #[repr(C)]
@@ -21,19 +21,20 @@ struct Push {
     farthest: f32,
 }
 
-/// What is seen in the directions of one cell of the map.
+/// The distances in the directions of one cell of the map.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Distances {
-    /// Mean distance, and mean square of the distance, by solid angle over the distance's square. What is farther than the farthest counts as that.
+    /// Mean of the distance and mean of its square, weighted by solid angle over the distance's square. No distance is longer than
+    /// the pass's farthest one.
     pub moments: [f32; 2],
-    /// Solid angle of triangles whose back is seen, sr.
+    /// Solid angle of backs of triangles, sr.
     pub backs: f32,
-    /// 1/distance of the nearest; 0 where nothing but the sky is seen.
+    /// 1/distance of the nearest surface; 0 where only the sky is seen.
     pub nearness: f32,
 }
 
-/// Share of the whole sphere in which the backs of triangles are seen.
+/// Share of the whole sphere that backs of triangles fill.
 pub fn back_share(cells: &[Distances]) -> f32 {
     cells.iter().map(|cell| cell.backs).sum::<f32>() / (4.0 * PI)
 }

@@ -50,8 +50,8 @@ pub struct Project {
 }
 
 impl Project {
-    /// Projects what up to `capacity` captures have `gathered`, by `projection` with `size` texels a side, onto `basis`; `gradients` want the planes
-    /// of what is seen.
+    /// Projects what up to `capacity` captures have `gathered`, by `projection` with `size` texels a side, onto `basis`; `gradients`
+    /// need the planes of the surfaces.
     pub fn new(
         device: &Arc<Device>,
         gathered: &Gathered,

@@ -1,4 +1,4 @@
-//! Light at points in space, by paths: what irradiance volumes are held against.
+//! Light at points in space by path tracing, as a reference for irradiance volumes.
 
 use super::path::Path;
 use super::progressive::Settings;
@@ -9,8 +9,8 @@ use crate::math::sh;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-/// Light at a point, each channel by itself. Emitters' own light is left out, and punctual lights', which have no radiance; the sky's is
-/// in it.
+/// Light at a point, for the three colour channels: light that surfaces reflect, and the sky's. The direct light of emitters and of
+/// punctual lights is left out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointLight {
     /// Radiance as spherical harmonics ([`sh`]), W·sr⁻¹·m⁻².

@@ -1,15 +1,15 @@
-//! Interpolation in one cell, by what its eight corners hold.
+//! Interpolation in one cell, by the values and gradients at its eight corners.
 
 use super::lattice::octants;
 use glam::DVec3;
 
-/// How values between samples are found.
+/// Interpolation between samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
     /// Trilinear.
     Trilinear,
-    /// Trilinear weights times 1/distance. By 1/distance alone values would jump where samples come and go (Tatarchuk and Oat
-    /// 2005 weigh so); at a sample it is the sample, whose own weight is then the only one above 0.
+    /// Trilinear weights times 1/distance, finite at a sample. By 1/distance alone (Tatarchuk and Oat 2005) values would jump at the
+    /// faces of cells.
     InverseDistance,
     /// Each sample extrapolated by its gradients, then trilinear (Tatarchuk and Oat 2005).
     Gradients,
@@ -19,7 +19,7 @@ pub enum Interpolation {
 }
 
 impl Interpolation {
-    /// Whether it wants gradients.
+    /// Whether it needs gradients.
     pub fn wants_gradients(self) -> bool {
         matches!(self, Self::Gradients | Self::Hermite)
     }
@@ -30,7 +30,7 @@ pub fn trilinear(t: DVec3) -> [f64; 8] {
     octants().map(|corner| (0..3).map(|axis| if corner[axis] == 1 { t[axis] } else { 1.0 - t[axis] }).product())
 }
 
-/// Weights of a corner's value and of its gradient, in the cubic interpolation.
+/// Weights of a corner's value and of its gradient in the cubic interpolation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicWeight {
     /// Of the value.

@@ -2,12 +2,12 @@
 
 use glam::{DVec3, UVec3, uvec3};
 
-/// Most levels below the grid's own cells.
+/// Largest number of levels below the cells of the grid.
 pub const MOST_LEVELS: u32 = 10;
-/// Most cells of the grid along a side.
+/// Largest number of cells of the grid along a side.
 pub const MOST_DIVISIONS: u32 = 1 << 10;
 
-/// A box in `divisions` cells along each axis, each of them the root of an octree of up to `levels` levels.
+/// A box that is cut into `divisions` cells along each axis. Each cell is the root of an octree of up to `levels` levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lattice {
     /// Lowest corner, in the scene's coordinates.
@@ -25,9 +25,9 @@ pub struct Lattice {
 /// A cell of some level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// Level: each halves the cells of the one before.
+    /// Level: each level has cells half as long as the one before.
     pub level: u32,
-    /// Which of its level, along each axis.
+    /// Number of the cell among those of its level, along each axis.
     pub at: UVec3,
     /// Samples at its corners: number i is at the upper end along x if i & 1, along y if i & 2, along z if i & 4.
     pub corners: [u32; 8],
@@ -39,7 +39,7 @@ pub fn octants() -> [UVec3; 8] {
 }
 
 impl Lattice {
-    /// One box without leaves.
+    /// A box without leaves.
     pub fn new(low: DVec3, high: DVec3, divisions: UVec3, levels: u32) -> Self {
         Self { low, high, divisions, levels, leaves: Vec::new() }
     }
@@ -55,7 +55,7 @@ impl Lattice {
         self.levels - twos.min(self.levels)
     }
 
-    /// Where a corner is.
+    /// Position of a corner, in the scene's coordinates.
     pub fn place(&self, corner: UVec3) -> DVec3 {
         self.low + corner.as_dvec3() / (self.divisions << self.levels).as_dvec3() * (self.high - self.low)
     }
@@ -63,11 +63,6 @@ impl Lattice {
     /// Lengths of a cell's sides.
     pub fn size(&self, level: u32) -> DVec3 {
         (self.high - self.low) / (self.divisions << level).as_dvec3()
-    }
-
-    /// Whether a point lies in the box, its faces included.
-    pub fn contains(&self, point: DVec3) -> bool {
-        point.cmpge(self.low).all() && point.cmple(self.high).all()
     }
 
     /// The cells of `level` that touch a corner of the finest level's steps.

@@ -1,4 +1,4 @@
-//! What samples take in memory: the table of Tatarchuk and Oat (2005), by order, with gradients and without.
+//! Memory of the samples by order, with gradients and without: the table of Tatarchuk and Oat (2005).
 
 use crate::math::octahedron;
 use crate::math::sh;

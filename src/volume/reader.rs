@@ -1,4 +1,4 @@
-//! Reads light between the samples of a volume.
+//! Interpolation of the light between the samples of a volume.
 
 use super::cell::{Interpolation, trilinear};
 use super::jets::Jets;
@@ -18,36 +18,37 @@ pub struct NotThere {
     pub high: DVec3,
 }
 
-/// How a volume is read.
+/// Settings of a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReadSettings {
-    /// How values between samples are found.
+    /// Interpolation between samples.
     pub interpolation: Interpolation,
     /// Whether walls hide samples ([`visibility`]).
     pub guard: bool,
 }
 
-/// A volume made ready to be read.
+/// A volume prepared for reading.
 pub struct Reader<'a> {
     volume: &'a Volume,
-    /// Cells and points.
+    /// The cells, and the points at their corners.
     pub tree: Tree,
-    /// For the cubic interpolation; none where there are no gradients.
+    /// Values and slopes for the cubic interpolation; none without gradients.
     jets: Option<Jets>,
 }
 
-/// The share of a weight that hidden samples may have before the cubic interpolation, which has no weights to lower, gives way.
+/// The cubic interpolation has no weights that a wall could lower. It is replaced by that with gradients where a hidden sample has more
+/// than this trilinear weight.
 const GIVES_WAY: f64 = 1e-3;
 
 impl<'a> Reader<'a> {
-    /// Cuts cells for continuity, and interpolates their corners that are no samples.
+    /// Builds the tree of the cells, and interpolates at corners without samples.
     pub fn new(volume: &'a Volume) -> Self {
         let tree = Tree::new(volume);
         let jets = volume.has_gradients().then(|| Jets::new(volume, &tree));
         Self { volume, tree, jets }
     }
 
-    /// The samples that a place takes part in by trilinear weights, which are above 0 and sum to 1.
+    /// The samples around a point with their trilinear weights, which are above 0 and sum to 1.
     pub fn weights(&self, point: DVec3) -> Vec<(u32, f64)> {
         let (node, t, _) = self.tree.find(&self.volume.lattice, point);
         let node = &self.tree.nodes[node];
@@ -63,14 +64,14 @@ impl<'a> Reader<'a> {
         all
     }
 
-    /// The coefficients at a point.
+    /// The coefficients at a point of the scene, W·sr⁻¹·m⁻².
     ///
     /// # Errors
     /// [`NotThere`] outside of the volume.
     pub fn read(&self, point: DVec3, settings: ReadSettings) -> Result<Vec<DVec3>, NotThere> {
-        let lattice = &self.volume.lattice;
-        if !lattice.contains(point) {
-            return Err(NotThere { point, low: lattice.low, high: lattice.high });
+        if !self.volume.contains(point) {
+            let [low, high] = self.volume.bounds;
+            return Err(NotThere { point, low, high });
         }
         let interpolation = if self.jets.is_none() && settings.interpolation.wants_gradients() {
             Interpolation::Trilinear
@@ -85,7 +86,7 @@ impl<'a> Reader<'a> {
         let Some(jets) = self.jets.as_ref().filter(|_| interpolation == Interpolation::Hermite) else {
             return Ok(self.blend(point, &weights, interpolation));
         };
-        // How far each sample is in sight, those of no weight aside.
+        // Visibility of the most hidden sample, those of almost no weight left aside.
         let sight = weights.iter().map(|(_, weight, seen)| seen.max(1.0 - weight / GIVES_WAY)).fold(1.0, f64::min);
         let cubic = || jets.read(&self.volume.lattice, &self.tree, point);
         if sight >= 1.0 {
@@ -95,11 +96,11 @@ impl<'a> Reader<'a> {
         Ok(blended.iter().zip(cubic()).map(|(blended, cubic)| blended.lerp(cubic, sight)).collect())
     }
 
-    /// Σ w·v(x) / Σ w over samples of a trilinear weight and a visibility.
+    /// Σ w·v(x) / Σ w over the samples, each with its trilinear weight and its visibility.
     fn blend(&self, point: DVec3, weights: &[(u32, f64, f64)], by: Interpolation) -> Vec<DVec3> {
         let mut sums = vec![DVec3::ZERO; crate::math::sh::count(self.volume.order)];
         let mut all = 0.0;
-        // Nearer than this to a sample its share does not grow any more: in front of a sample it has all weight already.
+        // The least distance, so that 1/distance is finite at a sample.
         let nearest = 1e-6 * (self.volume.lattice.high - self.volume.lattice.low).length();
         for (number, weight, seen) in weights {
             let sample = &self.volume.samples[*number as usize];
@@ -122,7 +123,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// How a coefficient changes over `offset`.
+/// Change of a coefficient over `offset`, by its gradient.
 fn moved(gradients: &[Vec3; 3], offset: DVec3) -> DVec3 {
     let [x, y, z] = gradients.map(|slope| slope.as_dvec3());
     offset.x * x + offset.y * y + offset.z * z

@@ -1,26 +1,26 @@
-//! The leak guard: how much of a sample a point sees, by the moments of the sample's distances.
+//! The leak guard: the share of a sample's light that reaches a point, by the moments of the sample's distances.
+//!
+//! The moments are weighted by 1/d²: where a cell of directions sees a near wall and past its edge, the wall decides. Some light still
+//! passes: cells of 25° cannot tell the two sides of a wall apart a few centimetres from a room's edges. `tests/it/volume.rs` measures
+//! it.
 
 use super::{Sample, State};
 use crate::math::octahedron;
 use glam::DVec3;
 
-/// Weight of a sample that a wall hides: enough that a point which sees none has light at all, and no more.
+/// Weight of a sample behind a wall: small, but above 0, so that a point which sees no sample still has light.
 pub const HIDDEN: f64 = 1e-9;
-/// The same of a sample inside of geometry.
+/// Weight of a sample inside of geometry.
 const INSIDE: f64 = 1e-14;
-/// Weights below this are pressed towards 0 (Majercik et al. 2019 do so to what is left of hidden probes).
+/// Weights below this are pressed towards 0, as Majercik et al. (2019) do.
 const CRUSH: f64 = 0.2;
 
-/// The moments are weighted by 1/d²: in a cell of directions that sees a near wall and past its edge, the wall counts. What is left
-/// of a light behind a wall is little in the mean, and up to most of it at single points a few centimetres from a room's edges, where
-/// cells of 25° cannot tell the two sides of a wall apart.
+/// Weight of `sample` at `point`, above 0 and at most 1; without `guard` it depends on the sample's state alone.
 ///
-/// Weight of `sample` at `point`, above 0 and at most 1; without `guard` by its state alone.
-///
-/// The share of the distances in the point's direction that reach as far as the point is at most σ²/(σ² + (d − m)²), by their
-/// mean m and variance σ² (Chebyshev's inequality, one-sided; Donnelly and Lauritzen 2006). Its third power makes up for the
-/// bound's being loose. Of the cells of directions around the point's the weights' geometric mean is taken: beside one that a wall
-/// fills another one sees past the wall's horizon, far away, and would open it where moments are mixed.
+/// At most the share σ²/(σ² + (d − m)²) of the distances in the point's direction reaches as far as the point's distance d, by their mean m
+/// and variance σ² (Chebyshev's one-sided inequality; Donnelly and Lauritzen 2006). The bound is loose, so its third power is used.
+/// The weight is the geometric mean over the cells of directions around the point's direction: one of them may see past the wall's
+/// horizon, and an arithmetic mean would let its light through.
 pub fn weight(sample: &Sample, point: DVec3, guard: bool) -> f64 {
     if sample.state == State::Inside {
         return INSIDE;
@@ -37,7 +37,7 @@ pub fn weight(sample: &Sample, point: DVec3, guard: bool) -> f64 {
     octahedron::around(offset).into_iter().map(log).sum::<f64>().exp()
 }
 
-/// How much of the distances with these moments reaches as far as `distance`.
+/// Bound of the share of the distances with these moments that reaches as far as `distance`, sharpened.
 fn reaching(distance: f64, [mean, square]: [f64; 2]) -> f64 {
     if distance <= mean {
         return 1.0;

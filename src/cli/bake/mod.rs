@@ -1,4 +1,4 @@
-//! `hemicube bake`: light for engines and tools.
+//! `hemicube bake`: light for engines and tools, a kind of bake a subcommand.
 
 mod volume;
 
@@ -10,17 +10,18 @@ use std::process::ExitCode;
 #[derive(Args)]
 pub struct BakeArgs {
     #[command(subcommand)]
-    what: What,
+    kind: Kind,
 }
 
+/// The kinds of bakes.
 #[derive(Subcommand)]
-enum What {
+enum Kind {
     Volume(Box<volume::VolumeArgs>),
 }
 
 /// Runs the chosen bake.
 pub fn run(args: &BakeArgs) -> Result<ExitCode> {
-    match &args.what {
-        What::Volume(args) => volume::run(args),
+    match &args.kind {
+        Kind::Volume(args) => volume::run(args),
     }
 }

@@ -1,4 +1,4 @@
-//! `hemicube probe`: light at points in space, captured there or read from a volume.
+//! `hemicube probe`: light at points in space, captured there or interpolated in a volume.
 
 pub mod points;
 
@@ -24,24 +24,23 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Irradiance is by harmonics of this order at least: the clamped cosine has no degree 5, and 1 % of its energy above 4.
+/// Least order of the harmonics that irradiance is computed from: the clamped cosine has no degree 5, and 1 % of its energy above 4.
 pub const ORDER_OF_IRRADIANCE: u32 = 5;
 
-/// Measure light at points in space, as spherical harmonics, or read it from a volume
+/// Measure light at points in space, as spherical harmonics, or interpolate it in a volume
 ///
-/// With a scene, captures the six faces of a cube at each point and projects what they see onto spherical harmonics. With --volume,
-/// interpolates between the samples that `hemicube bake volume` made. What is measured is light that surfaces have reflected once,
-/// and the background's own light. The direct light of lamps and emitters is left out: whoever uses the result adds it by the
-/// lights themselves.
+/// With a scene, the command captures the six faces of a cube at each point and projects the radiance onto spherical harmonics. With
+/// --volume, it interpolates between the samples of `hemicube bake volume`. The result is light that surfaces have reflected once,
+/// and the background's own light. The direct light of lamps and emitters is left out; add it by the lights themselves.
 #[derive(Args, Debug)]
 #[command(after_long_help = HELP)]
 pub struct ProbeArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Points to measure at, in the scene's coordinates: a JSON file {"points": [[x, y, z], …]}
+    /// The points, in the scene's coordinates: a JSON file {"points": [[x, y, z], …]}
     #[arg(long, value_name = "FILE.json")]
     points: PathBuf,
-    /// Where the result goes, a JSON file
+    /// File to write, JSON
     #[arg(short, long, value_name = "FILE.json")]
     output: PathBuf,
     /// Order of the harmonics, 2 to 6: its square is the number of coefficients; default: 3, or the volume's
@@ -50,7 +49,7 @@ pub struct ProbeArgs {
     /// Texels a side of each of the six faces: even, 8 to 128
     #[arg(long, value_name = "TEXELS", default_value_t = 32)]
     capture_size: u32,
-    /// Soften each point's harmonics as little as makes its irradiance nowhere negative; the strength is written with it
+    /// Soften the harmonics of a point with negative irradiance, as little as ends that; the strength is in the result
     #[arg(long)]
     window: bool,
     #[command(flatten)]
@@ -65,13 +64,13 @@ pub struct ProbeArgs {
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Volume")]
 struct VolumeArgs {
-    /// Volume to read, instead of a scene
+    /// Volume to interpolate, instead of a scene to capture
     #[arg(long, value_name = "FILE.json", conflicts_with = "scene")]
     volume: Option<PathBuf>,
-    /// How light between samples is found; without gradients in the file all but inverse-distance are trilinear
+    /// Interpolation between samples. Without gradients in the file, gradients and hermite are trilinear
     #[arg(long, value_enum, default_value = "hermite", requires = "volume")]
     interpolation: InterpolationArg,
-    /// Let samples shine through walls: do not weigh them by the moments of their distances
+    /// Do not hide samples behind walls
     #[arg(long, requires = "volume")]
     no_leak_guard: bool,
 }
@@ -81,7 +80,7 @@ struct VolumeArgs {
 enum InterpolationArg {
     /// Trilinear
     Trilinear,
-    /// Trilinear weights over the distance: flat around samples
+    /// Trilinear weights over the distance
     InverseDistance,
     /// Samples extrapolated by their gradients, then trilinear
     Gradients,
@@ -105,8 +104,8 @@ Result: {\"points\": [{\"sh\": [[r, g, b], …], \"irradiance\": [+x, -x, +y, -y
   sh          radiance, W/(sr m²): real, orthonormal spherical harmonics without the Condon-Shortley sign, in the order
               1; y, z, x; xy, yz, 3z²-1, xz, x²-y²; … of the scene's axes. A constant radiance L gives sqrt(4 pi) L
               and zeros.
-  irradiance  W/m², an [r, g, b] each, on surfaces that face along the six directions. A white surface there reflects
-              irradiance / pi.
+  irradiance  W/m², an [r, g, b] each, on surfaces that face along the six directions; the radiance of a white one is
+              irradiance / pi. Of a scene it is computed from harmonics of order 5 at least, of a volume from the volume's.
   window      with --window: degree l is divided by 1 + window l²(l+1)²; 0 where nothing was negative.
 
 Example:
@@ -148,7 +147,7 @@ impl ProbeArgs {
         check_capture_size(self.capture_size)
     }
 
-    /// Captures at the points.
+    /// Captures the points. Returns the scene's name, the light, and the order to write.
     fn capture(&self, points: &[DVec3]) -> Result<(String, Vec<Light>, u32)> {
         let scene = self.scene.load()?;
         if self.talk.verbose {
@@ -161,7 +160,7 @@ impl ProbeArgs {
         Ok((scene.name, lights, order))
     }
 
-    /// Reads at the points.
+    /// Interpolates at the points. Returns the volume's name, the light, and the order to write.
     fn read(&self, path: &Path, points: &[DVec3]) -> Result<(String, Vec<Light>, u32)> {
         let volume = file::read(path)?;
         let order = self.order.unwrap_or(volume.order);
@@ -178,21 +177,21 @@ impl ProbeArgs {
     }
 }
 
-/// Refuses orders that no file here has.
+/// Refuses orders out of range.
 pub fn check_order(order: u32) -> Result<()> {
     let fits = (2..=sh::MAX_ORDER).contains(&order);
     ensure!(fits, "--order {order}: the harmonics' order is from 2 to {}", sh::MAX_ORDER);
     Ok(())
 }
 
-/// Refuses sizes that captures cannot have.
+/// Refuses sizes of captures out of range.
 pub fn check_capture_size(size: u32) -> Result<()> {
     let valid = (8..=128).contains(&size) && size.is_multiple_of(2);
     ensure!(valid, "--capture-size {size}: a capture has an even number of texels a side, from 8 to 128");
     Ok(())
 }
 
-/// The device's error as it is, so that the exit code tells of it.
+/// A device's error by itself, so that the exit code is a device's.
 pub fn plain(error: ProbeError) -> anyhow::Error {
     match error {
         ProbeError::Vulkan(error) => error.into(),
@@ -206,7 +205,7 @@ fn measure(device: &Arc<Device>, scene: &Scene, args: &ProbeArgs, order: u32, pl
         capture_size: args.capture_size,
         capture: CaptureMode::Auto,
         gradients: false,
-        distances: false,
+        distances: None,
         lights: Settings::default().lights,
         surface_cells: SphereProbeSettings::usual_cells(scene),
     };

@@ -8,7 +8,7 @@ use hemicube::scene::Scene;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The file's points.
+/// The points of a file.
 pub fn read(path: &Path) -> Result<Vec<DVec3>> {
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read the points {}", path.display()))?;
     points_of(&text).with_context(|| path.display().to_string())
@@ -50,24 +50,24 @@ pub fn within(scene: &Scene, points: &[DVec3]) -> Result<Vec<Vec3>> {
 
 /// Light at a point.
 pub struct Light {
-    /// Radiance coefficients, of as high an order as is known.
+    /// Coefficients of the radiance, of an order that is at least the output's.
     pub coefficients: Vec<DVec3>,
-    /// Irradiance along the six directions, where it is known better than by the coefficients.
+    /// Irradiance along the six directions; by the coefficients without it.
     pub irradiance: Option<[DVec3; 6]>,
-    /// Relative standard error, if it is an estimate.
+    /// Relative standard error of an estimate.
     pub error: Option<f64>,
 }
 
-/// What is written of each point.
+/// The form of the output.
 #[derive(Clone, Copy)]
 pub struct Output {
     /// Order of the coefficients.
     pub order: u32,
-    /// Whether negative irradiance is windowed away.
+    /// Whether a window ends negative irradiance.
     pub window: bool,
 }
 
-/// Writes light at all points, and returns the strength of each window.
+/// Writes light at all points. Returns the strength of each window.
 pub fn write(path: &Path, lights: &[Light], output: Output) -> Result<Vec<f64>, WriteError> {
     let (points, strengths): (Vec<Value>, Vec<f64>) = lights.iter().map(|light| described(light, output)).unzip();
     let result = json!({ "points": points });

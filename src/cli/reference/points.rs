@@ -1,4 +1,4 @@
-//! `hemicube reference --points`: the truth for `hemicube probe`, in the same format.
+//! `hemicube reference --points`: path-traced light at points, in the format of `hemicube probe`.
 
 use super::{Method, ReferenceArgs};
 use crate::cli::common::check_output;
@@ -14,7 +14,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Paths a point where nothing says how many.
+/// Paths a point without `--spp`.
 const PATHS: u32 = 1 << 14;
 
 /// Traces light at the points of a file.

@@ -39,6 +39,10 @@ pub struct RenderArgs {
     /// [default: agx]
     #[arg(long, value_name = "NAME", help_heading = "Image")]
     pub(super) tone: Option<ToneMap>,
+    /// Draw the samples of this volume (`hemicube bake volume`) over the image, as white balls in their own light; samples inside
+    /// of geometry are red
+    #[arg(long, value_name = "VOLUME.json", conflicts_with = "frames", help_heading = "Image")]
+    pub(super) show_probes: Option<PathBuf>,
     /// Bounces of indirect light: 0 for direct light only, 1 for one bounce
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Light")]
     pub(super) bounces: u32,

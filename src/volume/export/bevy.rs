@@ -1,9 +1,8 @@
 //! Bevy's `IrradianceVolume`: a 3D texture in KTX2.
 //!
-//! Of R samples along each axis the texture has Rx × 2Ry × 3Rz texels: sample (x, y, z), axis a, sign s (0 for +) is texel
-//! (x, y + s·Ry, z + a·Rz). Bevy's shader reads so; its documentation has the signs the other way round. The cube of the `LightProbe`'s
-//! transform is cut into as many voxels as there are samples, with a sample at each voxel's middle: it is a spacing longer than the
-//! samples reach. Set `intensity` to 1 over the view's exposure for light in W; its default is 0.
+//! R samples along each axis make a texture of Rx × 2Ry × 3Rz texels. The face of axis a (x, y, z: 0, 1, 2) and sign s (+, −: 0, 1) of
+//! sample (x, y, z) is texel (x, y + s·Ry, z + a·Rz). Bevy's shader reads it so; Bevy's documentation has the signs the other way
+//! round. The transform's cube is cut into a voxel a sample with the sample in its middle, so it is one spacing longer than the grid.
 
 use super::{Grid, measures, rgb9e5};
 use glam::DVec3;
@@ -14,13 +13,13 @@ const FORMAT: u32 = 123;
 /// Bytes before the data format descriptor: identifier, header, index, one level.
 const HEAD: u32 = 12 + 9 * 4 + 4 * 4 + 2 * 8 + 3 * 8;
 
-/// Translation and scale of the entity's transform.
+/// Translation and scale of the transform of the entity with the `LightProbe`.
 pub fn transform(grid: &Grid) -> [DVec3; 2] {
     let counts = grid.counts.as_dvec3();
     [grid.low + 0.5 * (counts - 1.0) * grid.spacing, counts * grid.spacing]
 }
 
-/// Texels, row by row, slice by slice.
+/// The texels in shared exponents, row by row, slice by slice.
 pub fn texels(grid: &Grid) -> Vec<u32> {
     let n = grid.counts.as_usizevec3();
     let mut texels = vec![0; 6 * grid.lights.len()];
@@ -35,7 +34,7 @@ pub fn texels(grid: &Grid) -> Vec<u32> {
     texels
 }
 
-/// The whole file.
+/// The KTX2 file.
 pub fn file(grid: &Grid) -> Vec<u8> {
     let descriptor = descriptor();
     let notes = notes(grid);
@@ -70,7 +69,7 @@ fn descriptor() -> Vec<u32> {
     words
 }
 
-/// Keys and values: where the volume is, for whoever places it.
+/// Keys and values: the writer, and the volume's transform.
 fn notes(grid: &Grid) -> Vec<u8> {
     let [translation, scale] = transform(grid);
     let list = |v: DVec3| format!("{} {} {}", v.x, v.y, v.z);

@@ -1,47 +1,62 @@
-//! Godot's light probes: `LightmapGIData`'s probe data, in the places of the `LightmapGI` node.
+//! Godot's light probes: a `LightmapGIData` resource, in the coordinates of the `LightmapGI` node that gets it.
 //!
-//! Godot interpolates in tetrahedra and finds them by a tree of planes. Each cell of the grid is six of them: where its coordinates are
-//! in one of their six orders (Freudenthal 1942), which three planes tell.
+//! Godot interpolates in tetrahedra and finds them by a tree of planes. Each cell of the grid is cut into six of them: a point's
+//! coordinates in the cell are in one of six orders (Freudenthal 1942), and three planes tell which.
 
 use super::{Grid, Light, measures};
 use glam::{DVec3, UVec3};
-use serde_json::{Value, json};
+use std::fmt::Write;
 
-/// A leaf without a tetrahedron.
+/// A child without a tetrahedron.
 const EMPTY: i32 = i32::MIN;
 
-/// Points, coefficients, tetrahedra and the tree.
-pub fn probes(grid: &Grid) -> Value {
+/// The resource as Godot's text format (`.tres`): probe points, coefficients, tetrahedra and the tree.
+pub fn resource(grid: &Grid) -> String {
     let (tetrahedra, nodes) = tree(grid);
-    let light = |light: &Light| measures::godot(light).map(|c| c.as_vec3().to_array());
-    let high = grid.place(grid.lights.len() - 1);
-    json!({
-        "engine": "godot",
-        "about": "LightmapGIData.call(\"_set_probe_data\", {bounds, points, tetrahedra, bsp, sh, interior}); bsp holds six 32-bit numbers \
-                  a node: normal and distance of a plane as bits of floats, the node over it, the node under it",
-        "bounds": {"position": grid.low.to_array(), "size": (high - grid.low).to_array()},
-        "points": (0..grid.lights.len()).map(|i| grid.place(i).to_array()).collect::<Vec<_>>(),
-        "sh": grid.lights.iter().map(light).collect::<Vec<_>>(),
-        "tetrahedra": tetrahedra.concat(),
-        "bsp": nodes.iter().flat_map(|node| node.numbers()).collect::<Vec<_>>(),
-        "interior": false,
-    })
+    let size = grid.place(grid.lights.len() - 1) - grid.low;
+    let points = (0..grid.lights.len()).flat_map(|i| grid.place(i).as_vec3().to_array());
+    let colours = |light: &Light| measures::godot(light).map(|c| c.as_vec3().extend(1.0).to_array());
+    let mut text = String::from("[gd_resource type=\"LightmapGIData\" format=3]\n\n[resource]\nprobe_data = {\n");
+    let bounds = grid.low.to_array().into_iter().chain(size.to_array());
+    for (key, kind, numbers) in [
+        ("bounds", "AABB", list(bounds)),
+        ("points", "PackedVector3Array", list(points)),
+        ("tetrahedra", "PackedInt32Array", list(tetrahedra.iter().flatten())),
+        ("bsp", "PackedInt32Array", list(nodes.iter().flat_map(Node::numbers))),
+        ("sh", "PackedColorArray", list(grid.lights.iter().flat_map(colours).flatten())),
+    ] {
+        text.extend(["\"", key, "\": ", kind, "(", &numbers, "),\n"]);
+    }
+    text.push_str("\"interior\": false,\n\"baked_exposure\": 1.0\n}\n");
+    text
 }
 
-/// A plane; n·p − d > 0 is over it.
+/// Numbers with commas between them.
+fn list(numbers: impl Iterator<Item: std::fmt::Display>) -> String {
+    let mut text = String::new();
+    for (i, number) in numbers.enumerate() {
+        let comma = if i > 0 { ", " } else { "" };
+        // A string takes everything.
+        let _ = write!(text, "{comma}{number}");
+    }
+    text
+}
+
+/// A plane of the tree: a point p with n·p > d is over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// n.
+    /// The unit normal n.
     pub normal: DVec3,
-    /// d.
+    /// The distance d.
     pub distance: f64,
-    /// Node over the plane; below 0 a leaf: the tetrahedron −(i + 1), or none.
+    /// The child over the plane: the number of a node, or −(i + 1) for tetrahedron i.
     pub over: i32,
-    /// Node under it.
+    /// The child under the plane.
     pub under: i32,
 }
 
 impl Node {
+    /// As Godot stores it: normal and distance as bits of floats, then the children.
     fn numbers(&self) -> [i32; 6] {
         let bits = |v: f64| (v as f32).to_bits() as i32;
         let [x, y, z] = self.normal.to_array().map(bits);
@@ -49,7 +64,7 @@ impl Node {
     }
 }
 
-/// Tetrahedra by their points, and the tree, whose first node is the root.
+/// Tetrahedra, each by its four points, and the tree; its first node is the root.
 pub fn tree(grid: &Grid) -> (Vec<[u32; 4]>, Vec<Node>) {
     let mut builder = Builder { grid, tetrahedra: Vec::new(), nodes: Vec::new() };
     builder.cells(UVec3::ZERO, grid.counts - 1);

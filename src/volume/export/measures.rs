@@ -1,32 +1,32 @@
-//! Radiance coefficients in the measures of engines.
+//! Coefficients of the radiance in the units of engines.
 
 use super::Light;
 use crate::math::sh;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Godot's: divided by π.
+/// Godot's coefficients: those of the radiance over π.
 pub fn godot(light: &Light) -> Light {
     light.map(|c| c / PI)
 }
 
-/// Unity's: E/π is Σ of these times 1; y, z, x; xy, yz, 3z² − 1, xz, x² − y². The x axis is flipped as glTFast flips it: x, xy and xz
-/// change their signs.
+/// Unity's coefficients: E/π is their sum times 1; y, z, x; xy, yz, 3z² − 1, xz, x² − y². The x axis is flipped as glTFast flips it,
+/// which changes the signs of x, xy and xz.
 pub fn unity(light: &Light) -> Light {
     let factors = polynomial_factors();
     let sign = |i: usize| if matches!(i, 3 | 4 | 7) { -1.0 } else { 1.0 };
     std::array::from_fn(|i| sign(i) * sh::cosine_factor(i.isqrt() as u32) / PI * factors[i] * light[i])
 }
 
-/// What each polynomial is multiplied by to have the norm 1.
+/// The factors that make the polynomials orthonormal.
 fn polynomial_factors() -> [f64; 9] {
     let [zero, one, two] = [1.0, 3.0, 15.0].map(|n: f64| (n / (4.0 * PI)).sqrt());
     [zero, one, one, one, two, two, (5.0 / (16.0 * PI)).sqrt(), two, 0.5 * two]
 }
 
-/// Bevy's ambient cube: +x, −x, +y, −y, +z, −z. Its shader returns Σ nᵢ² · face(sign nᵢ); these faces come nearest to E/π in all
-/// directions alike, by least squares. The light's own values on the axes do worse (8 % of gentle light and 14 % of a narrow lobe
-/// are lost, against 6.5 and 13 %).
+/// Bevy's ambient cube: the faces +x, −x, +y, −y, +z, −z. Bevy's shader returns Σ nᵢ² · face(sign nᵢ). These faces are the least-squares
+/// fit of that to E/π over all directions. The exact values on the axes ([`bevy_exact`]) are a worse choice: the guide has both errors
+/// ([`crate::guide::volumes`]).
 pub fn bevy(light: &Light) -> [DVec3; 6] {
     let mut sums = [DVec3::ZERO; 6];
     for (n, weight) in sh::sphere_rule(6) {
@@ -36,20 +36,21 @@ pub fn bevy(light: &Light) -> [DVec3; 6] {
     solved(sums)
 }
 
-/// The light's own E/π along the six axes.
+/// E/π along the six axes.
 pub fn bevy_exact(light: &Light) -> [DVec3; 6] {
     let [x, y, z] = DVec3::AXES;
     [x, -x, y, -y, z, -z].map(|n| super::e_over_pi(light, n))
 }
 
-/// What Bevy's shader weighs the faces by.
+/// The weights that Bevy's shader gives the faces for the normal `n`.
 pub fn squares(n: DVec3) -> [f64; 6] {
     let of = |axis: usize, sign: f64| if sign * n[axis] > 0.0 { n[axis] * n[axis] } else { 0.0 };
     [of(0, 1.0), of(0, -1.0), of(1, 1.0), of(1, -1.0), of(2, 1.0), of(2, -1.0)]
 }
 
-/// Solves the normal equations of the fit. A face's square has the integral 2π/5, that with each of the four beside it π/15, and
-/// with the opposite one 0: the sum over all, the difference of opposite faces and what is left of a pair are its eigenvectors.
+/// Solves the normal equations of the fit. The integral of a face's squared weight is 2π/5, of its product with the weight of a face
+/// beside it π/15, and with that of the opposite face 0. The eigenvectors are the sum of all faces, the difference of opposite ones, and the
+/// rest of a pair.
 fn solved(sums: [DVec3; 6]) -> [DVec3; 6] {
     let (own, beside) = (2.0 * PI / 5.0, PI / 15.0);
     let mean = sums.iter().sum::<DVec3>() / 6.0;

@@ -1,11 +1,11 @@
-//! Volumes as engines take them: a uniform grid of samples, in each engine's own measure, order and axes.
+//! Volumes in the formats of engines: a uniform grid of samples, in each engine's own units, order and axes.
 //!
 //! | engine | file | value |
 //! |---|---|---|
-//! | Bevy | KTX2, a 3D texture of shared exponents ([`bevy`]) | E/π on six faces of a cube, fitted to Bevy's own rule |
-//! | three.js | JSON | radiance coefficients: `LightProbe.sh.fromArray(probe)` |
-//! | Godot | JSON | radiance coefficients over π, with tetrahedra ([`godot`]): `LightmapGIData` |
-//! | Unity | JSON | E/π as a polynomial, the x axis flipped as glTFast flips it: `SphericalHarmonicsL2` |
+//! | Bevy | KTX2, a 3D texture with shared exponents ([`bevy`]) | E/π on six faces of a cube, fitted to Bevy's own rule |
+//! | three.js | JSON | coefficients of the radiance, for `LightProbe.sh.fromArray` |
+//! | Godot | `.tres`, a `LightmapGIData` ([`godot`]) | coefficients of the radiance over π, with tetrahedra |
+//! | Unity | JSON | E/π as a polynomial, the x axis flipped as glTFast flips it, for `SphericalHarmonicsL2` |
 
 pub mod bevy;
 pub mod godot;
@@ -22,7 +22,7 @@ use glam::{DVec3, UVec3};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Whose file is written.
+/// An engine whose format can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
     /// Bevy's `IrradianceVolume`.
@@ -36,34 +36,35 @@ pub enum Engine {
 }
 
 impl Engine {
-    /// The extension of its file.
+    /// The extension of the engine's file, without a dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Bevy => "ktx2",
-            Self::Three | Self::Godot | Self::Unity => "json",
+            Self::Godot => "tres",
+            Self::Three | Self::Unity => "json",
         }
     }
 }
 
-/// Nine coefficients of radiance, of each colour channel.
+/// Nine coefficients of the radiance, W·sr⁻¹·m⁻², for the three colour channels.
 pub type Light = [DVec3; 9];
 
-/// Samples in rows along x, then y, then z, the outermost ones on the faces of the box.
+/// A uniform grid of samples: rows along x, then y, then z; the outermost samples lie on the faces of the box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Samples along each axis.
+    /// Number of samples along each axis.
     pub counts: UVec3,
-    /// The first sample's place.
+    /// Position of the first sample, in the scene's coordinates.
     pub low: DVec3,
-    /// From one sample to the next.
+    /// Distance of neighbouring samples along each axis.
     pub spacing: DVec3,
-    /// Their light.
+    /// Light of the samples.
     pub lights: Vec<Light>,
 }
 
 impl Grid {
-    /// A volume's finest corners. What is inside of geometry takes the mean of its neighbours, so that engines, which know nothing of
-    /// that, read no darkness from it.
+    /// The grid of a volume's finest cells. Engines interpolate between all samples, so one inside of geometry gets the mean of its
+    /// neighbours instead of darkness.
     pub fn of(volume: &Volume) -> Self {
         let lattice = &volume.lattice;
         let cells = lattice.divisions << lattice.levels;
@@ -85,7 +86,7 @@ impl Grid {
         Self { counts, low: lattice.low, spacing: lattice.size(lattice.levels), lights }
     }
 
-    /// Where a sample is.
+    /// Position of a sample, in the scene's coordinates.
     pub fn place(&self, number: usize) -> DVec3 {
         let (n, i) = (self.counts, number as u32);
         self.low + UVec3::new(i % n.x, i / n.x % n.y, i / n.x / n.y).as_dvec3() * self.spacing
@@ -96,14 +97,14 @@ impl Grid {
     }
 }
 
-/// The first nine coefficients; what is missing is 0.
+/// The first nine coefficients, filled up with zeros.
 fn nine(coefficients: impl Iterator<Item = DVec3>) -> Light {
     let mut light = [DVec3::ZERO; 9];
     light.iter_mut().zip(coefficients).for_each(|(to, from)| *to = from);
     light
 }
 
-/// Gaps take the mean of their neighbours along the axes, until there are none.
+/// Fills gaps with the mean of their neighbours along the axes, round by round.
 fn filled(mut lights: Vec<Option<Light>>, counts: UVec3) -> Vec<Light> {
     let steps = [1, counts.x as usize, (counts.x * counts.y) as usize];
     let neighbours = |i: usize| {
@@ -130,18 +131,17 @@ fn filled(mut lights: Vec<Option<Light>>, counts: UVec3) -> Vec<Light> {
     lights.into_iter().map(Option::unwrap_or_default).collect()
 }
 
-/// Writes a grid for an engine, complete or not at all.
+/// Writes a grid in the format of an engine: the whole file, or nothing.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, grid: &Grid, engine: Engine) -> Result<(), WriteError> {
-    let value = match engine {
-        Engine::Bevy => return write_atomic(path, |sink| sink.write_all(&bevy::file(grid))),
-        Engine::Three => three(grid),
-        Engine::Godot => godot::probes(grid),
-        Engine::Unity => unity(grid),
-    };
-    write_atomic(path, |sink| writeln!(sink, "{value}"))
+    write_atomic(path, |sink| match engine {
+        Engine::Bevy => sink.write_all(&bevy::file(grid)),
+        Engine::Three => writeln!(sink, "{}", three(grid)),
+        Engine::Godot => sink.write_all(godot::resource(grid).as_bytes()),
+        Engine::Unity => writeln!(sink, "{}", unity(grid)),
+    })
 }
 
 fn three(grid: &Grid) -> Value {

@@ -188,3 +188,27 @@ fn what_is_inside_takes_its_neighbours_light() {
     let lights = filled(vec![None, None, Some(one)], counts);
     assert_eq!(lights[0], one);
 }
+
+/// The resource has every key that Godot's `LightmapGIData::_set_probe_data` demands, with as many numbers as its checks want.
+#[test]
+fn godots_resource_is_whole() {
+    let grid = grid();
+    let text = godot::resource(&grid);
+    let numbers = |key: &str| -> Vec<f64> {
+        let (_, rest) = text.split_once(&format!("\"{key}\": ")).unwrap();
+        let (_, rest) = rest.split_once('(').unwrap();
+        rest.split_once(')').unwrap().0.split(", ").map(|n| n.parse().unwrap()).collect()
+    };
+    let probes = grid.lights.len();
+    let counts = ["bounds", "points", "sh", "tetrahedra"].map(|key| numbers(key).len());
+    assert_eq!(counts, [6, 3 * probes, 4 * 9 * probes, 4 * 6 * 6]);
+    assert_eq!(numbers("bsp").len() % 6, 0);
+    assert_eq!(numbers("bounds"), [-1.0, 0.5, 2.0, 1.0, 1.0, 0.75]);
+    let expected = measures::godot(&grid.lights[1])[3];
+    assert_eq!(
+        &numbers("sh")[4 * 12..4 * 12 + 3],
+        expected.as_vec3().to_array().map(|v| v.to_string().parse::<f64>().unwrap())
+    );
+    assert!(text.starts_with("[gd_resource type=\"LightmapGIData\" format=3]"));
+    assert!(text.contains("\"interior\": false") && text.contains("\"baked_exposure\": 1.0"));
+}

@@ -1,4 +1,4 @@
-//! Samples inside of geometry: found by the backs of triangles that they see, and moved out of it.
+//! Samples inside of geometry: the backs of triangles that they see give them away. They are moved out, or marked.
 
 use super::{Measure, Seen, Sites};
 use crate::math::octahedron;
@@ -6,12 +6,12 @@ use crate::volume::State;
 use glam::DVec3;
 use std::f32::consts::PI;
 
-/// A sample moves by this share of its cell at most (RTXGI moves probes by 45 %): its neighbours stay its neighbours.
+/// A sample moves by this share of its cell at most, so that its neighbours stay the same (RTXGI moves probes by 45 %).
 const REACH: f64 = 0.45;
-/// Ways out that are tried.
+/// Number of ways out that are tried.
 const WAYS: usize = 4;
 
-/// Share of the sphere in which backs of triangles are seen.
+/// Share of the sphere that backs of triangles fill.
 pub fn back_share(seen: &[Seen]) -> f32 {
     (seen.iter().map(|cell| cell.backs).sum::<f32>() / (4.0 * PI)).min(1.0)
 }
@@ -27,7 +27,7 @@ fn ways_out(from: DVec3, seen: &[Seen], reach: f64) -> Vec<DVec3> {
     let mut chosen: Vec<(f64, DVec3)> = Vec::new();
     for (distance, cell) in ways {
         let way = octahedron::middle(cell);
-        // Another way, not another cell of the same.
+        // Ways that differ, not cells side by side.
         if chosen.len() < WAYS && chosen.iter().all(|(_, known)| known.dot(way) < 0.5) {
             chosen.push((distance, way));
         }

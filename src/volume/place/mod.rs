@@ -1,7 +1,9 @@
-//! Where samples are.
+//! Placement of a volume's samples: on a uniform grid, or in an octree. Whoever calls says how light is measured at a place.
 
 mod adaptive;
+mod cull;
 mod inside;
+mod named;
 
 pub use adaptive::{Adaptive, LevelReport, adaptive};
 
@@ -11,74 +13,74 @@ use glam::{DVec3, UVec3, Vec3};
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// Samples at the faces of the box stand this share of a cell inside of it: its faces are often walls, in whose very plane a sample
-/// would see both sides.
-const INSET: f64 = 0.01;
+/// The outermost samples stand this share of a finest cell inside of the box. Its faces are often walls: a sample in the plane of a
+/// wall sees both of its sides, and right beside a wall gradients and moments of the distances hold for no distance.
+const INSET: f64 = 0.1;
 
-/// What is seen in one cell of [`crate::math::octahedron`].
+/// The distances that a place sees in the directions of one cell of [`crate::math::octahedron`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Mean distance and mean square of it, by solid angle over its square.
+    /// Mean of the distance and mean of its square, weighted by solid angle over the distance's square.
     pub moments: [f32; 2],
-    /// Solid angle of triangles' backs, sr.
+    /// Solid angle of backs of triangles, sr.
     pub backs: f32,
-    /// 1/distance of the nearest; 0 where nothing but the sky is.
+    /// 1/distance of the nearest surface; 0 where only the sky is seen.
     pub nearness: f32,
 }
 
-/// What is measured at a place.
+/// The light at a place, and the distances that it sees.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Radiance as spherical harmonics.
+    /// Radiance as spherical harmonics, W·sr⁻¹·m⁻².
     pub coefficients: Vec<Vec3>,
-    /// Their gradients, or none.
+    /// Derivatives of each coefficient along x, y and z, per unit of length; or empty.
     pub gradients: Vec<[Vec3; 3]>,
-    /// 1/R, by solid angle.
+    /// 1/R: R is the harmonic mean of the distances, by solid angle.
     pub inverse_distance: f32,
-    /// By direction.
+    /// The distances, [`crate::math::octahedron::CELLS`] of them.
     pub seen: Vec<Seen>,
 }
 
 /// Measures light at places in the scene's coordinates.
 pub type Measure<'a, E> = &'a mut dyn FnMut(&[DVec3]) -> Result<Vec<Measured>, E>;
 
-/// What all placements share.
+/// Settings of every kind of placement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Common {
-    /// The box.
+    /// Lowest and highest corner of the box, in the scene's coordinates.
     pub bounds: [DVec3; 2],
     /// Order of the harmonics.
     pub order: u32,
-    /// Reflections of the light, for the file.
+    /// Number of reflections of the light, as the file states it.
     pub bounces: String,
-    /// Share of triangles' backs in the sphere from which on a place is inside of geometry.
+    /// Share of the sphere from which on backs of triangles mean that a place is inside of geometry.
     pub inside: f32,
-    /// Whether moments of distances are kept.
+    /// Whether samples keep the moments of their distances.
     pub moments: bool,
 }
 
-/// What became of a placement.
+/// Counts of a placement.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Placement {
-    /// Samples in the volume.
+    /// Samples of the volume.
     pub samples: usize,
-    /// Places that were measured in all: samples, middles of cells, and where samples were moved to.
+    /// Places that were measured: samples, middles of cells, and places that samples were moved to or tried at.
     pub measured: usize,
     /// Samples that were moved out of geometry.
     pub moved: usize,
-    /// Samples that stay inside of geometry.
+    /// Samples that are inside of geometry.
     pub inside: usize,
-    /// Cells of the result.
+    /// Cells of the volume.
     pub cells: usize,
-    /// Of an adaptive placement, level by level.
+    /// The levels of an octree.
     pub levels: Vec<LevelReport>,
-    /// Cells that were cut and are whole again.
+    /// Cells of the octree that were merged into larger ones at the end.
     pub culled_cells: usize,
-    /// Samples that no cell needs any more.
+    /// Samples of those cells that no other cell uses.
     pub culled_samples: usize,
 }
 
-/// Samples while their places are looked for.
+/// Samples during their placement.
 struct Sites<'a> {
     common: &'a Common,
     volume: Volume,
@@ -92,17 +94,16 @@ struct Sites<'a> {
 impl<'a> Sites<'a> {
     fn new(common: &'a Common, divisions: UVec3, levels: u32) -> Self {
         let [low, high] = common.bounds;
-        let lattice = Lattice::new(low, high, divisions, levels);
+        let rim = INSET * (high - low) / (divisions << levels).as_dvec3();
+        let lattice = Lattice::new(low + rim, high - rim, divisions, levels);
         let (order, bounces) = (common.order, common.bounces.clone());
-        let volume = Volume { order, bounces, samples: Vec::new(), lattice };
+        let volume = Volume { order, bounces, bounds: common.bounds, samples: Vec::new(), lattice };
         Self { common, volume, numbers: HashMap::new(), seen: Vec::new(), spare: HashMap::new(), measured: 0 }
     }
 
     /// Where a corner is measured.
     fn place(&self, corner: UVec3) -> DVec3 {
-        let lattice = &self.volume.lattice;
-        let inset = INSET * lattice.size(lattice.levels);
-        lattice.place(corner).clamp(lattice.low + inset, lattice.high - inset)
+        self.volume.lattice.place(corner)
     }
 
     /// Measures at corners, unless they are known, without making samples of them.
@@ -184,12 +185,12 @@ fn corners_of(lattice: &Lattice, level: u32, cells: &[UVec3]) -> Vec<UVec3> {
     cells.iter().flat_map(|at| octants().map(|octant| lattice.corner(level, *at + octant))).collect()
 }
 
-/// A uniform grid of `per_side` samples along each axis, two at least.
+/// A uniform grid of `counts` samples along the axes, 2 at least along each.
 ///
 /// # Errors
 /// Those of `measure`.
-pub fn uniform<E>(common: &Common, per_side: u32, measure: Measure<'_, E>) -> Result<(Volume, Placement), E> {
-    let mut sites = Sites::new(common, UVec3::splat(per_side - 1), 0);
+pub fn uniform<E>(common: &Common, counts: UVec3, measure: Measure<'_, E>) -> Result<(Volume, Placement), E> {
+    let mut sites = Sites::new(common, counts - 1, 0);
     let cells = sites.volume.lattice.cells_of(0);
     sites.add(&corners_of(&sites.volume.lattice, 0, &cells), measure)?;
     sites.volume.lattice.leaves = cells.iter().map(|at| sites.cell(0, *at)).collect();

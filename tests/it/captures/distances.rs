@@ -42,7 +42,7 @@ fn a_box_around_a_point_has_its_distances_and_one_side() {
                 capture_size: 32,
                 capture,
                 gradients: false,
-                distances: true,
+                distances: Some(0.0),
                 lights: Settings::default().lights,
                 surface_cells: 1 << 10,
             };

@@ -142,7 +142,7 @@ fn settings(capture: CaptureMode, order: u32) -> SphereProbeSettings {
         capture_size: SIZE,
         capture,
         gradients: true,
-        distances: false,
+        distances: None,
         lights,
         surface_cells: 1 << 16,
     }

@@ -65,17 +65,20 @@ fn engines_get_their_files() {
         assert_eq!(run.code, 0, "{run:?}");
         run
     };
-    let run = bake("-o v.ktx2 --for bevy --uniform 3");
+    let run = bake("-o v.ktx2 --for bevy --uniform 3,2,4 --box 0.1,0.1,0.1,0.4,0.2,0.3");
     assert!(run.out.contains("Transform") && run.out.contains("wrote v.ktx2"), "{run:?}");
     let bytes = std::fs::read(path.join("v.ktx2")).unwrap();
-    assert_eq!((&bytes[1..7], bytes[20], bytes[24], bytes[28]), (&b"KTX 20"[..], 3, 6, 9));
+    assert_eq!((&bytes[1..7], bytes[20], bytes[24], bytes[28]), (&b"KTX 20"[..], 3, 4, 12));
+    assert!(run.out.contains("translation: Vec3::new(0.250000, 0.150000, 0.200000)"), "{run:?}");
     let octree = "--adaptive --min-level 0 --max-level 2";
-    for engine in ["three", "godot", "unity"] {
+    bake(&format!("-o godot.tres --for godot {octree}"));
+    let text = std::fs::read_to_string(path.join("godot.tres")).unwrap();
+    assert!(text.starts_with("[gd_resource type=\"LightmapGIData\"") && text.ends_with("}\n"), "{text}");
+    for engine in ["three", "unity"] {
         bake(&format!("-o {engine}.json --for {engine} {octree}"));
         let file = read_json(&path.join(format!("{engine}.json")));
         assert_eq!(file["engine"], engine);
-        let samples = file[if engine == "godot" { "sh" } else { "probes" }].as_array().unwrap().len();
-        assert_eq!(samples, 125, "{engine}");
+        assert_eq!(file["probes"].as_array().unwrap().len(), 125, "{engine}");
     }
 }
 
@@ -107,7 +110,8 @@ fn bad_volumes_are_one_line_and_leave_nothing() {
     let before = names(path);
     for (arguments, words) in [
         ("bake volume -o out.json --order 7", "--order 7"),
-        ("bake volume -o out.json --uniform 1", "--uniform 1"),
+        ("bake volume -o out.json --box 50,0,0,51,1,1", "far outside"),
+        ("bake volume -o out.json --for godot", ".tres file"),
         ("bake volume -o out.json --adaptive --min-level 5 --max-level 3", "--min-level 5"),
         ("bake volume -o out.json --adaptive --error 0", "--error 0"),
         ("bake volume -o out.json --inside 2", "--inside 2"),
@@ -126,6 +130,17 @@ fn bad_volumes_are_one_line_and_leave_nothing() {
         ("reference --points points.json -o out.json --order 7", "--order 7"),
     ] {
         assert_refused(&hemicube(path, arguments), 2, words);
+        assert_eq!(names(path), before, "{arguments} leaves something behind");
+    }
+    for (arguments, words) in [
+        ("--uniform 1", "2 to 129"),
+        ("--uniform 3,4", "X,Y,Z"),
+        ("--box 0,0,0,1,1", "six numbers"),
+        ("--box 0,0,0,1,1,0", "must differ"),
+        ("--uniform 3 --adaptive", "cannot be used with"),
+    ] {
+        let run = hemicube(path, &format!("bake volume -o out.json {arguments}"));
+        assert!(run.code == 2 && run.err.lines().next().unwrap().contains(words), "{run:?}");
         assert_eq!(names(path), before, "{arguments} leaves something behind");
     }
 }

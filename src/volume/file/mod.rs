@@ -1,31 +1,8 @@
-//! The file of a volume: JSON, version 1.
-//!
-//! ```json
-//! {
-//!   "format": "hemicube volume", "version": 1,
-//!   "order": 3, "bounces": "1", "sample_count": 8,
-//!   "positions": [[x, y, z], …],
-//!   "coefficients": [[[r, g, b], …], …],
-//!   "gradients": [[[[r, g, b], [r, g, b], [r, g, b]], …], …],
-//!   "back_face_share": [0.0, …], "harmonic_mean_distance": [1.5, …], "state": ["free", …],
-//!   "distance_moments": {"octahedron": 8, "values": [[[m1, m2], …], …]},
-//!   "cells": {"low": [x, y, z], "high": [x, y, z], "divisions": [1, 1, 1], "levels": 0,
-//!             "leaves": [[level, i, j, k, s0, s1, s2, s3, s4, s5, s6, s7], …]}
-//! }
-//! ```
-//!
-//! - `positions`: where each sample was measured, in the scene's coordinates.
-//! - `coefficients`: order² of each sample: radiance, W·sr⁻¹·m⁻², as real, orthonormal spherical harmonics without the
-//!   Condon–Shortley sign, in the order 1; y, z, x; xy, yz, 3z² − 1, xz, x² − y²; … of the scene's axes.
-//! - `gradients`: of each coefficient its derivatives along x, y and z, per unit of length. Left out, or null, if not asked for.
-//! - `back_face_share`: share of the sphere in which backs of triangles are seen.
-//! - `harmonic_mean_distance`: of what is seen, by solid angle; null where nothing but the sky is.
-//! - `distance_moments`: mean distance and mean square of it, by solid angle over its square, in each cell of an octahedral map of 8 × 8 directions (row by row; the
-//!   cell of a direction d is at (d.xy/(|x| + |y| + |z|), folded where z < 0), from −1 to 1). Left out, or null, if not kept.
-//! - `state`: `free`; `moved` away from its corner, which is inside of geometry; `inside` of geometry: not to be used.
-//! - `cells`: the box in `divisions` cells along each axis, each the root of an octree; of the cells that are not cut any further the
-//!   level, the place among the cells of that level, and the samples at the corners: number i is at the upper end along x if i & 1,
-//!   along y if i & 2, along z if i & 4.
+//! The file of a volume: JSON, version 1. [`crate::guide::volumes`] describes every field.
+
+mod error;
+
+pub use error::VolumeError;
 
 use super::lattice::{MOST_DIVISIONS, MOST_LEVELS, octants};
 use super::tree::corners_of;
@@ -34,47 +11,10 @@ use crate::image::write::{WriteError, write_atomic};
 use crate::math::{octahedron, sh};
 use glam::{DVec3, UVec3, Vec3};
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 const FORMAT: &str = "hemicube volume";
 const VERSION: u32 = 1;
-
-/// A file that is no volume.
-#[derive(Debug, thiserror::Error)]
-pub enum VolumeError {
-    /// It cannot be read.
-    #[error("cannot read the volume {path:?}: {cause}")]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        cause: std::io::Error,
-    },
-    /// It is no JSON, or ends too early.
-    #[error("{path:?} is not a volume, or not whole: {cause}; bake it again with `hemicube bake volume`")]
-    Torn {
-        /// The file.
-        path: PathBuf,
-        /// What the parser said.
-        cause: serde_json::Error,
-    },
-    /// Another version.
-    #[error("{path:?} is a volume of version {version}; this program reads version {VERSION}: bake it again")]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// Its version.
-        version: u32,
-    },
-    /// Something in it does not fit.
-    #[error("{path:?}: {what}; bake it again with `hemicube bake volume`")]
-    Wrong {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        what: String,
-    },
-}
 
 #[derive(Deserialize)]
 struct Head {
@@ -88,6 +28,7 @@ struct File {
     version: u32,
     order: u32,
     bounces: String,
+    bounds: [[f64; 3]; 2],
     sample_count: usize,
     positions: Vec<[f64; 3]>,
     coefficients: Vec<Vec<[f32; 3]>>,
@@ -116,7 +57,7 @@ struct Cells {
     leaves: Vec<[u32; 12]>,
 }
 
-/// Writes `volume` to `path`, complete or not at all.
+/// Writes `volume` to `path`: the whole file, or nothing.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -171,6 +112,7 @@ impl File {
             version: VERSION,
             order: volume.order,
             bounces: volume.bounces.clone(),
+            bounds: volume.bounds.map(|corner| corner.to_array()),
             sample_count: samples.len(),
             positions: samples.iter().map(|sample| sample.position.to_array()).collect(),
             coefficients: samples.iter().map(|s| s.coefficients.iter().map(Vec3::to_array).collect()).collect(),
@@ -211,7 +153,11 @@ impl File {
             state: self.state[i],
         };
         let samples = (0..self.sample_count).map(sample).collect();
-        Ok(Volume { order: self.order, bounces: self.bounces, samples, lattice })
+        let bounds = self.bounds.map(DVec3::from);
+        if !(bounds[0].cmple(lattice.low).all() && bounds[1].cmpge(lattice.high).all()) {
+            return Err("its cells reach beyond its bounds".into());
+        }
+        Ok(Volume { order: self.order, bounces: self.bounces, bounds, samples, lattice })
     }
 
     fn check(&self) -> Result<(), String> {
@@ -236,6 +182,11 @@ impl File {
         let odd = self.coefficients.iter().map(Vec::len).chain(self.gradients.iter().flatten().map(Vec::len));
         if odd.into_iter().any(|length| length != count) {
             return Err(format!("a sample has not the {count} coefficients of order {}", self.order));
+        }
+        let gradients = self.gradients.iter().flatten().flatten().flatten().flatten();
+        let numbers = self.coefficients.iter().flatten().flatten().chain(gradients);
+        if !numbers.copied().all(f32::is_finite) || !self.positions.iter().flatten().copied().all(f64::is_finite) {
+            return Err("a number is too large".into());
         }
         if let Some(moments) = &self.distance_moments
             && (moments.octahedron != octahedron::SIDE || moments.values.iter().any(|m| m.len() != octahedron::CELLS))
