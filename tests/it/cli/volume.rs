@@ -26,17 +26,17 @@ fn a_volume_is_baked_and_read_and_near_the_truth() {
     let path = folder.path();
     write(path, "points.json", POINTS);
     let bake =
-        hemicube(path, "bake volume -o v.json --uniform 6 --order 5 --capture-size 16 --stats stats.json --validate");
+        hemicube(path, "bake volume -o v.json --uniform 10 --order 5 --capture-size 16 --stats stats.json --validate");
     assert_eq!(bake.code, 0, "{bake:?}");
-    assert!(bake.out.contains("216 samples of order 5") && bake.out.contains("with gradients"), "{bake:?}");
+    assert!(bake.out.contains("1000 samples of order 5") && bake.out.contains("with gradients"), "{bake:?}");
     let volume = read_json(&path.join("v.json"));
     assert_eq!((volume["version"].as_u64(), volume["order"].as_u64()), (Some(1), Some(5)));
-    assert_eq!(volume["sample_count"], 216);
+    assert_eq!(volume["sample_count"], 1000);
     assert_eq!(volume["coefficients"][0].as_array().unwrap().len(), 25);
     assert_eq!(volume["gradients"][0][0].as_array().unwrap().len(), 3);
-    assert_eq!(volume["cells"]["leaves"].as_array().unwrap().len(), 125);
+    assert_eq!(volume["cells"]["leaves"].as_array().unwrap().len(), 729);
     let stats = read_json(&path.join("stats.json"));
-    assert_eq!((&stats["validation_messages"], &stats["placement"]["samples"]), (&0.into(), &216.into()));
+    assert_eq!((&stats["validation_messages"], &stats["placement"]["samples"]), (&0.into(), &1000.into()));
     assert_eq!(stats["sample_memory"]["by_order"][3]["floats_per_sample_with_gradients"], 300);
     for (command, name) in [
         ("probe --points points.json -o here.json", "here.json"),
@@ -49,7 +49,7 @@ fn a_volume_is_baked_and_read_and_near_the_truth() {
     }
     let [here, read, truth] = ["here.json", "read.json", "truth.json"].map(|name| irradiance(path, name));
     eprintln!("captured {here:.4}, read {read:.4}, traced {truth:.4}");
-    assert!((here / truth - 1.0).abs() < 0.02 && (read / truth - 1.0).abs() < 0.1);
+    assert!((here / truth - 1.0).abs() < 0.02 && (read / truth - 1.0).abs() < 0.05);
     assert!(read_json(&path.join("read.json"))["points"][0]["window"].is_number());
     let error = read_json(&path.join("truth.json"))["points"][0]["se"].as_f64().unwrap();
     assert!(error > 0.0 && error < 0.05, "{error}");
