@@ -14,7 +14,7 @@
 //! | device: queue, memory, pipelines | [`vk::Device`] | the user, once |
 //! | scene on the device: geometry, tree, textures, cells, light samples | [`renderer::Renderer`] | [`renderer::Renderer::open`]; the file and the settings of the scene |
 //! | lit surface: radiance of both sides of every cell | [`passes::geometry::Geometry::cell_radiance`] | the first view |
-//! | records: irradiance at places, with gradients | [`methods::records`] | views, each what it lacks |
+//! | records: irradiance at places, with gradients | [`methods::records`] | views, each what it lacks; or a file |
 //! | view: G-buffer, sums of splats, layers of the image | [`renderer::Renderer::render`] | a camera and [`renderer::ViewSettings`] |
 //!
 //! | room | what is in it | imports |

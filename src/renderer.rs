@@ -7,6 +7,7 @@
 mod camera;
 mod fallback;
 mod memory;
+mod origin;
 mod output;
 mod plan;
 mod settings;
@@ -21,7 +22,8 @@ use crate::image::Picture;
 use crate::methods::captures::NoSlices;
 use crate::methods::irradiance_cache::{CacheSettings, CacheStats};
 use crate::methods::light_samples::TooManyLights;
-use crate::methods::records::Records;
+use crate::methods::records::{Records, Stored};
+use crate::methods::surface_cache::Bounced;
 use crate::scene::{Camera, Scene};
 use crate::vk::pass::{PassTime, Recorder};
 use crate::vk::{Device, Error as VulkanError, MemoryUse, Span};
@@ -50,6 +52,9 @@ pub enum RenderError {
     /// The way to capture.
     #[error(transparent)]
     Slices(#[from] NoSlices),
+    /// Records that are not of this scene and these settings.
+    #[error("the records are none of this scene and these settings")]
+    OtherRecords,
 }
 
 /// A finished frame and what it cost.
@@ -60,6 +65,8 @@ pub struct Rendered {
     pub plan: Plan,
     /// What went otherwise than planned, since the scene was opened, a line each, for the user.
     pub warnings: Vec<String>,
+    /// What was done for light beyond the first bounce; none where none was asked for.
+    pub bounced: Option<Bounced>,
     /// What the cache did.
     pub cache: CacheStats,
     /// Every pass that ran, in order.
@@ -121,6 +128,7 @@ pub struct Renderer<'a> {
     /// How the records were made.
     records_by: CacheSettings,
     view: Option<View>,
+    stop: Box<dyn Fn() -> bool + 'a>,
     clock: Clock,
 }
 
@@ -165,6 +173,7 @@ impl<'a> Renderer<'a> {
             surface,
             records,
             view: None,
+            stop: Box::new(|| false),
             clock,
         })
     }
@@ -173,6 +182,39 @@ impl<'a> Renderer<'a> {
     pub fn forget_records(&mut self) {
         if let Some(records) = &mut self.records {
             records.truncate(0);
+        }
+    }
+
+    /// Views make no more records once `stop` says so. Their pictures are complete, of what records there are, a batch at least, and
+    /// [`CacheStats::unfinished`] says so. Later views use these records; where they cover a pixel, none are added for contrast.
+    pub fn stop_when(&mut self, stop: impl Fn() -> bool + 'a) {
+        self.stop = Box::new(stop);
+    }
+
+    /// All records, to be used again by another renderer of the scene ([`Self::use_records`],
+    /// [`crate::methods::records::file`]). None where its views need none.
+    ///
+    /// # Errors
+    /// The device fails or has no memory left.
+    pub fn records(&self) -> Result<Option<Stored>, RenderError> {
+        Ok(self.records.as_ref().map(Records::stored).transpose()?)
+    }
+
+    /// Number of records.
+    pub fn record_count(&self) -> u32 {
+        self.records.as_ref().map_or(0, Records::count)
+    }
+
+    /// Views start from `stored` now, in place of the records of earlier ones. They are to be of this scene and these settings
+    /// ([`crate::methods::records::file::Origin`]): what is kept of each is checked, the light is not.
+    ///
+    /// # Errors
+    /// What is kept of each record differs; the device fails or has no memory left.
+    pub fn use_records(&mut self, stored: &Stored) -> Result<(), RenderError> {
+        match &mut self.records {
+            Some(records) if records.shape() == stored.shape => Ok(records.replace_by(stored)?),
+            None if stored.count() == 0 => Ok(()),
+            _ => Err(RenderError::OtherRecords),
         }
     }
 
@@ -205,10 +247,14 @@ impl<'a> Renderer<'a> {
         let eyes = camera::View::new(&self.scene, camera, [settings.width, settings.height]);
         view.draw(&mut recorder, &ground, &eyes)?;
         self.surface.light(&mut recorder, &self.scene, &view.pixel_lights, on_progress)?;
+        let on = (&self.device, &mut recorder);
+        if let Some(warning) = self.surface.bounce(on, &self.scene, &self.plan, &settings, on_progress)? {
+            self.warnings.push(warning);
+        }
         let cache = loop {
             let ground = self.surface.ground(&self.scene);
             let before = self.records.as_ref().map_or(0, Records::count);
-            let stats = view.run_cache(&mut recorder, &ground, &eyes, self.records.as_mut(), on_progress);
+            let stats = view.run_cache(&mut recorder, &ground, &eyes, self.records.as_mut(), (&self.stop, on_progress));
             if let (Err(_), Some(records)) = (&stats, &mut self.records) {
                 records.truncate(before);
             }
@@ -227,6 +273,7 @@ impl<'a> Renderer<'a> {
             picture,
             plan: self.plan.clone(),
             warnings: self.warnings.clone(),
+            bounced: self.surface.bounced.clone(),
             cache,
             passes: recorder.passes,
             submissions: recorder.submissions,

@@ -14,10 +14,10 @@ layout(constant_id = 3) const uint STRIDE = 1;    // floats of a texel: 1/distan
 
 layout(set = 0, binding = 0, std430) readonly buffer Frames { Frame frames[]; };
 layout(set = 0, binding = 1, std430) readonly buffer Records { Record records[]; };
-layout(set = 0, binding = 2, std430) readonly buffer Payloads { vec4 payloads[]; };
+layout(set = 0, binding = 2, std430) readonly buffer Payloads { Payload payloads[]; };
 layout(set = 0, binding = 3, std430) readonly buffer Distances { float distances[]; };
 layout(set = 0, binding = 4, std430) writeonly buffer KeptRecords { Kept kept[]; };
-layout(set = 0, binding = 5, std430) writeonly buffer KeptPayloads { vec4 kept_payloads[]; };
+layout(set = 0, binding = 5, std430) writeonly buffer KeptPayloads { KeptPayload kept_payloads[]; };
 layout(set = 0, binding = 6, std430) writeonly buffer Horizons { uint horizons[]; };
 layout(set = 0, binding = 7, std430) writeonly buffer Entries { Entry entries[]; };
 layout(push_constant) uniform Push {
@@ -26,7 +26,6 @@ layout(push_constant) uniform Push {
     uint entry;  // its number in the whole store
 } push;
 
-const uint PAYLOAD_VALUES = 7;  // vec4s of a payload
 shared float largest_of[THREADS];
 
 // 1/(forward distance) of what a side face sees at the texel.
@@ -65,19 +64,36 @@ float keep_horizon(uint from, uint to) {
 // Whether all of it is finite.
 bool is_number(vec4 v) { return all(lessThan(abs(v), vec4(3e38))); }
 
+bool is_number(Payload p) {
+    bool valid = is_number(p.irradiance);
+    for (uint c = 0; c < 3; ++c) valid = valid && is_number(p.rotation[c]) && is_number(p.translation[c]);
+    return valid;
+}
+
+KeptPayload keep(Frame frame, Payload p) {
+    vec3 t = frame.tangent.xyz, b = frame.bitangent.xyz;
+    KeptPayload k;
+    k.irradiance = vec4(p.irradiance.rgb, p.rotation[0].w);
+    for (uint c = 0; c < 3; ++c) {
+        vec3 turn = p.rotation[c].xyz, slope = p.translation[c].xyz;
+        k.change[c] = vec4(dot(turn, t), dot(turn, b), dot(slope, t), dot(slope, b));
+    }
+    k.most = vec4(p.rotation[1].w, p.rotation[2].w, 0.0, 0.0);
+    return k;
+}
+
 void main() {
     uint from = push.from + gl_WorkGroupID.x, to = push.to + gl_WorkGroupID.x, number = push.entry + gl_WorkGroupID.x;
-    uint values = PAYLOADS * PAYLOAD_VALUES, me = gl_LocalInvocationID.x;
-    if (me < values) kept_payloads[values * to + me] = payloads[values * from + me];
+    uint me = gl_LocalInvocationID.x;
+    if (me < PAYLOADS) kept_payloads[PAYLOADS * to + me] = keep(frames[from], payloads[PAYLOADS * from + me]);
     float largest = SIZE != 0 ? keep_horizon(from, to) : 0.0;
     if (me > 0) return;
     Record record = records[from];
     bool valid = is_number(record.position) && record.position.w >= 0.0 && is_number(record.normal);
-    for (uint i = 0; i < values; ++i) valid = valid && is_number(payloads[values * from + i]);
+    for (uint i = 0; i < PAYLOADS; ++i) valid = valid && is_number(payloads[PAYLOADS * from + i]);
     float r = valid ? record.position.w : -1.0;
     kept[to].position = vec4(record.position.xyz, r);
-    kept[to].normal = record.normal;
-    kept[to].geometric = vec4(record.geometric.xyz, largest);
+    kept[to].normal = vec4(record.normal.xyz, largest);
     kept[to].tangent = vec4(frames[from].tangent.xyz, 0.0);
     entries[number].place = vec4(record.position.xyz, r);
     entries[number].about = uvec4(oct_encode(record.normal.xyz), number, 0, 0);

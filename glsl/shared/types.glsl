@@ -21,9 +21,8 @@ struct Record {
 // A record that is kept for any view: where it is, how far it is good for and what its capture saw of its horizon.
 struct Kept {
     vec4 position;   // xyz; w: R, in world units, without any limit
-    vec4 normal;     // shading normal; w: 1/R, harmonic mean distance, cosine-weighted, not clamped
-    vec4 geometric;  // geometric normal; w: largest 1/(forward distance) of the horizon (inc/horizon.glsl), 0 without one
-    vec4 tangent;    // first axis of the capture
+    vec4 normal;     // shading normal; w: largest 1/(forward distance) of the horizon (inc/horizon.glsl), 0 without one
+    vec4 tangent;    // first axis of the capture; the second is normal × tangent
 };
 
 // What an index of kept records holds of each: enough to clamp its neighbours.
@@ -37,6 +36,13 @@ struct Payload {
     vec4 irradiance;      // W·m⁻²
     vec4 rotation[3];     // rotation gradient, a world-space vector a colour channel; w: most that the channel can be, π·L_max
     vec4 translation[3];  // translation gradient, likewise
+};
+
+// The same of a record that is kept. Gradients lie in its surface: along the axes of its capture, x and y.
+struct KeptPayload {
+    vec4 irradiance;  // W·m⁻²; w: most that red can be, π·L_max
+    vec4 change[3];   // a colour channel: rotation gradient (xy), translation gradient (zw)
+    vec4 most;        // most that green and blue can be
 };
 
 // One sample of a light: a punctual light, or a point on an emissive triangle.

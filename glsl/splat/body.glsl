@@ -13,12 +13,12 @@ layout(constant_id = 4) const uint COLUMNS = 2;       // of a side face that are
 layout(constant_id = 5) const uint COUNTS_FRAGMENTS = 0;  // in the tally, those too that add nothing
 
 layout(set = 0, binding = 0, std430) readonly buffer Records { Kept records[]; };
-layout(set = 0, binding = 1, std430) readonly buffer Payloads { Payload payloads[]; };
+layout(set = 0, binding = 1, std430) readonly buffer Payloads { KeptPayload payloads[]; };
 layout(set = 0, binding = 2, std430) readonly buffer Horizons { uint horizons[]; };
 layout(set = 0, binding = 3, std430) readonly buffer Zones { float zones[]; };  // radius of each record of the whole store
 layout(set = 0, binding = 4) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 5) uniform utexture2D gbuffer_normals;
-layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; uint first_zone; } push;
+layout(push_constant) uniform Push { mat4 world_to_view; vec4 scale; float accuracy; float normal_limit; float share; uint first_zone; } push;
 #include "splat/hidden.glsl"
 layout(location = 0) flat in uint record_index;
 layout(location = 0) out vec4 sum;
@@ -31,14 +31,12 @@ layout(location = COUNTED) out vec4 tally;  // number of records, Σ w·L and Σ
 
 // `damping`: a linear change is good for something up to R, where what it leaves out is half of E. In a zone that is wider still,
 // the change by the offset is damped to stay bounded.
-vec3 extrapolated(Payload p, vec3 turn, vec3 offset, float damping) {
+// `move` holds both along the record's axes: the turn (xy) and the offset, damped (zw).
+vec3 extrapolated(KeptPayload p, vec4 move) {
     vec3 e = p.irradiance.rgb;
     if (HAS_GRADIENTS != 0) {
-        vec3 change, most;
-        for (int c = 0; c < 3; ++c) {
-            change[c] = dot(turn, p.rotation[c].xyz) + damping * dot(offset, p.translation[c].xyz);
-            most[c] = p.rotation[c].w;
-        }
+        vec3 change = vec3(dot(move, p.change[0]), dot(move, p.change[1]), dot(move, p.change[2]));
+        vec3 most = vec3(p.irradiance.w, p.most.xy);
         // Within what the record has evidence for: at least 0; at most a hemisphere full of the brightest thing that it
         // sees, π·L_max; and, for linear growth tells of no more, twice itself. CPU twin: math::ward::extrapolated.
         e = clamp(e + change, vec3(0.0), min(2.0 * e, max(e, most)));
@@ -60,6 +58,10 @@ float weight(Kept record, float radius, vec4 surface, vec3 offset, out vec3 n) {
 
     n = oct_decode(texelFetch(gbuffer_normals, ivec2(gl_FragCoord.xy), 0).x);
     vec3 nk = record.normal.xyz;
+    if (push.normal_limit == 0.0) {  // it stands in on any surface, as it is
+        n = nk;
+        return push.share * (1.0 - sqrt(distance2) / radius);
+    }
     if (!(dot(n, nk) > 0.0)) return rejected();
     // 1 − n·n_k = ½‖n − n_k‖², without the cancellation.
     float bend = length(n - nk) * 0.70710678;
@@ -74,7 +76,7 @@ float weight(Kept record, float radius, vec4 surface, vec3 offset, out vec3 n) {
     }
     if (!(w > 0.0)) return rejected();
     if (SIZE != 0 && hidden(record_index, record, offset)) return rejected();
-    return w;
+    return push.share * w;
 }
 
 void main() {
@@ -93,10 +95,11 @@ void main() {
 #endif
         return;
     }
-    vec3 turn = cross(record.normal.xyz, n);
-    sum = vec4(w * extrapolated(payloads[(HAS_SKY + 1) * record_index], turn, offset, damping), w);
+    vec3 turn = cross(record.normal.xyz, n), t = record.tangent.xyz, b = cross(record.normal.xyz, t);
+    vec4 move = vec4(dot(turn, t), dot(turn, b), damping * dot(offset, t), damping * dot(offset, b));
+    sum = vec4(w * extrapolated(payloads[(HAS_SKY + 1) * record_index], move), w);
 #ifdef SKY
-    sky_sum = vec4(w * extrapolated(payloads[2 * record_index + 1], turn, offset, damping), w);
+    sky_sum = vec4(w * extrapolated(payloads[2 * record_index + 1], move), w);
 #endif
 #ifdef COUNTED
     vec3 said = sum.rgb;

@@ -27,7 +27,7 @@ bool hidden(uint number, Kept record, vec3 offset) {
     for (uint k = slope >= slope_of(0) ? row - 1 : row; k <= row; ++k) {
         uint word = HORIZON_WORDS * at + k / 4;
         uvec2 here = uvec2(horizons[word], horizons[word + HORIZON_WORDS]) >> (8 * (k % 4)) & 255u;
-        float largest = record.geometric.w;
+        float largest = record.normal.w;
         nearest = min(nearest, mix(horizon_value(here.x, largest), horizon_value(here.y, largest), x));
     }
     return f.z * nearest > 1.0 + HIDDEN_TOLERANCE;

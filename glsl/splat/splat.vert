@@ -12,7 +12,8 @@ layout(push_constant) uniform Push {
     mat4 world_to_view;
     vec4 scale;  // ndc = scale.xy·(x, y)/depth; w: 0 parallel
     float accuracy;
-    float normal_limit;
+    float normal_limit;  // 0: any surface
+    float share;  // of the weight that counts
     uint first_zone;
 } push;
 layout(location = 0) flat out uint record_index;
@@ -39,6 +40,7 @@ vec2 upright(vec2 corner, vec3 c, float r) {
 
 // How far below its plane, in radii, a record lights anything.
 float depth_below() {
+    if (push.normal_limit == 0.0) return 1.0;
     float limit = min(WEIGHT == 0 ? push.normal_limit : push.accuracy, 1.0);
     float half_cos = sqrt(1.0 - 0.5 * limit * limit);
     return sin(asin(0.1 / half_cos) + acos(half_cos));

@@ -13,12 +13,15 @@ use std::sync::Arc;
 pub struct SceneArgs {
     /// Scene to load, .gltf or .glb; without it the built-in Cornell box
     pub scene: Option<PathBuf>,
-    /// Radiance from outside the scene: R,G,B (W·sr⁻¹·m⁻²) or an equirectangular map, .exr (FILE.exr#LAYER for one layer of
-    /// several) or Radiance .hdr. The map's first row is at +Y, its middle is seen along -Z, its right half towards +X
+    /// Radiance from outside the scene: R,G,B (W·sr⁻¹·m⁻²) or an equirectangular map, .exr or .hdr
+    ///
+    /// FILE.exr#LAYER takes one layer of several. The map's first row is at +Y, its middle is seen along -Z, its right half
+    /// towards +X.
     #[arg(long, value_name = "R,G,B|FILE", help_heading = "Scene")]
     pub background: Option<String>,
-    /// Turns the background about +Y by so many degrees, counter-clockwise seen from above. Example: -90 shows the map's
-    /// middle along +X, as three.js and Blender do
+    /// Turns the background about +Y by so many degrees, counter-clockwise seen from above
+    ///
+    /// Example: -90 shows the map's middle along +X, as three.js and Blender do.
     #[arg(
         long,
         value_name = "DEG",

@@ -6,6 +6,7 @@ mod folder;
 mod measure;
 mod output;
 mod peers;
+mod solvers;
 mod stability;
 mod task;
 mod truth;
@@ -35,6 +36,9 @@ const QUICK_HEIGHT: u32 = 128;
 pub fn run(args: &ConvergenceArgs) -> Result<ExitCode> {
     if args.stability {
         return stability::run(args);
+    }
+    if args.solvers {
+        return solvers::run(args);
     }
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;

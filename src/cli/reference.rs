@@ -5,6 +5,8 @@ mod points;
 mod report;
 mod setup;
 
+pub use setup::parse_bounces;
+
 use super::choices::{GradientsArg, WeightArg};
 use super::common::{ImageArgs, SceneArgs, parse_seconds};
 use super::stop;

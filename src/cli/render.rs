@@ -1,6 +1,8 @@
 //! `hemicube render`: an image with indirect light, or a sequence of them.
 
 mod args;
+mod bounces;
+mod cache;
 mod choices;
 mod path;
 mod probes;
@@ -14,34 +16,35 @@ pub use args::RenderArgs;
 use super::common::{TalkArgs, check_output};
 use super::say::remark;
 use super::stop;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use hemicube::image::tone::{Exposure, Look, auto_stops};
 use hemicube::image::{Picture, exr, png};
-use hemicube::renderer::{Rendered, Renderer, Settings};
+use hemicube::renderer::Renderer;
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
-use hemicube::vk::Device;
 use hemicube::volume::file;
 use report::Report;
 use std::path::Path;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Runs the subcommand.
 pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let started = Instant::now();
-    let picture_kind = Kind::of(&args.output)?;
-    for path in [Some(&args.output), args.stats.as_ref(), args.trace.as_ref()].into_iter().flatten() {
+    let picture_kind = args.output.as_deref().map_or(Ok(Kind::Png), Kind::of)?;
+    for path in [args.output.as_ref(), args.stats.as_ref(), args.trace.as_ref()].into_iter().flatten() {
         check_output(path)?;
     }
+    args.cache.check()?;
     if let Some(path) = path::CameraPath::new(&args.path, &args.scene)? {
         return sequence::run(args, path, picture_kind, started);
     }
+    let output = args.output.as_deref().context("an image goes into a file: -o names it")?;
     let volume = args.show_probes.as_deref().map(file::read).transpose()?;
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, picture_kind);
+    let mut records = args.cache.open(&scene, &settings)?;
     let loaded = started.elapsed();
     let device = args.device.open()?;
     settings.check(&device)?;
@@ -52,21 +55,45 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     if !args.talk.quiet {
         warn(args, picture_kind, &scene);
     }
-    let mut rendered = run_with_progress(&device, &scene, &camera, &settings, &report, args.talk)?;
+    let mut listener = Listener::new(args.talk);
+    let mut hear = |name, done, all| listener.hear(name, done, all);
+    let mut renderer = Renderer::open(&device, &scene, &settings, &mut hear)?;
+    report.plan(renderer.plan());
+    if let Some(records) = &mut records {
+        records.fill(&mut renderer)?;
+    }
+    renderer.stop_when(|| stop::is_asked() || args.is_over(started));
+    stop::finishes(true);
+    let mut rendered = renderer.render(&camera, &settings.view(), &mut hear)?;
+    drop(listener);
     report.check(&rendered);
     if let Some(volume) = &volume {
         probes::draw(&mut rendered.picture, &scene, &camera, volume);
     }
     let writing = Instant::now();
     let made_with = report.made_with(args, &scene, &camera, &settings);
-    let file = Destination { path: &args.output, made_with: &made_with, camera: &camera };
+    let file = Destination { path: output, made_with: &made_with, camera: &camera };
     write(args, (picture_kind, args.exposure.unwrap_or_default()), &rendered.picture, &file)?;
+    stop::finishes(false);
+    if let Some(records) = &mut records {
+        if !rendered.cache.unfinished {
+            records.save(&renderer)?;
+        }
+        report.extra("cache_file", records.stats());
+    }
     report.rendered(&rendered, writing.elapsed());
     if args.measure {
         report.measure()?;
     }
     report.finish(args, &scene, &rendered, &made_with)?;
     Ok(ExitCode::SUCCESS)
+}
+
+impl RenderArgs {
+    /// Whether the time for records, or for frames, is over.
+    fn is_over(&self, started: Instant) -> bool {
+        self.time_limit.is_some_and(|seconds| started.elapsed().as_secs_f64() > seconds)
+    }
 }
 
 /// Warns of a scene without light, and of flags that do nothing for this kind of picture.
@@ -127,21 +154,6 @@ fn stops(exposure: Exposure, picture: &Picture, quiet: bool) -> f32 {
             stops
         }
     }
-}
-
-fn run_with_progress(
-    device: &Arc<Device>,
-    scene: &Scene,
-    camera: &Camera,
-    settings: &Settings,
-    report: &Report,
-    talk: TalkArgs,
-) -> Result<Rendered> {
-    let mut listener = Listener::new(talk);
-    let mut hear = |name, done, all| listener.hear(name, done, all);
-    let mut renderer = Renderer::open(device, scene, settings, &mut hear)?;
-    report.plan(renderer.plan());
-    Ok(renderer.render(camera, &settings.view(), &mut hear)?)
 }
 
 /// Shows the progress of the renderer's stages.

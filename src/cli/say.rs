@@ -8,9 +8,18 @@ use console::Style;
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The first line that could not be said, for another reason than that nobody reads.
 static FAILED: OnceLock<io::Error> = OnceLock::new();
+
+/// Whether the standard output holds a picture, so that lines go to the other one.
+static DIVERTED: AtomicBool = AtomicBool::new(false);
+
+/// Keeps the standard output free of lines from now on: they go to the standard error output.
+pub fn divert() {
+    DIVERTED.store(true, Ordering::Relaxed);
+}
 
 /// Prints a line on the standard output.
 macro_rules! say {
@@ -26,6 +35,9 @@ pub(crate) use {remark, say};
 
 /// What [`say!`] does.
 pub fn line(words: Arguments<'_>) {
+    if DIVERTED.load(Ordering::Relaxed) {
+        return remark_line(words);
+    }
     let said = writeln!(io::stdout(), "{words}");
     if let Err(error) = said.or_else(unless_unread) {
         // Only the first one is told.

@@ -1,7 +1,14 @@
-//! The guide: how a frame is computed, irradiance volumes and their file, limits, and measurements with their commands.
+//! The guide: how a frame is computed, sequences and files of records, irradiance volumes, limits, and measurements with their
+//! commands.
 
 #[doc = include_str!("method.md")]
 pub mod method {}
+
+#[doc = include_str!("bounces.md")]
+pub mod bounces {}
+
+#[doc = include_str!("sequences.md")]
+pub mod sequences {}
 
 #[doc = include_str!("measurements.md")]
 pub mod measurements {}

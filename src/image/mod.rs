@@ -10,6 +10,7 @@ pub mod metrics;
 pub mod png;
 pub mod tone;
 pub mod write;
+pub mod y4m;
 
 use std::collections::BTreeMap;
 

@@ -16,7 +16,7 @@ pub fn write(path: &Path, picture: &Picture, layer: &str, look: Look) -> Result<
     write_codes(path, picture.width, picture.height, &codes(path, picture, layer, look)?)
 }
 
-/// Writes a colour layer as JPEG of quality 95, through exposure and tone map as [`write`] does.
+/// Writes a colour layer as JPEG of quality 95, through exposure and tone map as [`write()`] does.
 pub fn write_jpeg(path: &Path, picture: &Picture, layer: &str, look: Look) -> Result<(), WriteError> {
     let codes = codes(path, picture, layer, look)?;
     write_atomic(path, |sink| {

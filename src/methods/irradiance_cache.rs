@@ -14,6 +14,7 @@
 mod filling;
 mod lattices;
 mod settings;
+mod stand_in;
 
 pub use settings::{CONTRAST_SIZE, CacheSettings};
 
@@ -58,6 +59,8 @@ pub struct CacheStats {
     pub reused: u64,
     /// Rounds that found something to do.
     pub rounds: u32,
+    /// It was stopped before every pixel had its records: others stand in there.
+    pub unfinished: bool,
     /// What its passes did, if that was counted.
     pub work: Option<Work>,
 }
@@ -85,8 +88,8 @@ pub struct IrradianceCache {
     keep: KeepRecords,
     index: IndexRecords,
     clamp: ClampRecords,
-    /// Smallest radius of a zone in pixels.
-    min_radius: f32,
+    /// Limits of zones.
+    reach: Reach,
     meter: Option<Meter>,
     /// Splats and their sums.
     pub splat: Splat,
@@ -151,7 +154,7 @@ impl IrradianceCache {
         let max_radius = (settings.max_radius * height).max(min_radius);
         let reach = Reach { accuracy: settings.accuracy, min: min_radius, max: max_radius };
         let index = IndexRecords::new(device, store.index())?;
-        let clamp = ClampRecords::new(device, (store.index(), &records), settings.clamped, reach)?;
+        let clamp = ClampRecords::new(device, (store.index(), &records), settings.clamped)?;
         Ok(Self {
             settings,
             captures,
@@ -161,7 +164,7 @@ impl IrradianceCache {
             keep,
             index,
             clamp,
-            min_radius,
+            reach,
             meter,
             splat,
             records,
@@ -170,7 +173,7 @@ impl IrradianceCache {
     }
 
     /// Fills the cache until every pixel is covered, with what `store` holds and with new records, which it keeps. `progress` hears the
-    /// new records so far and the share of rounds done.
+    /// new records so far and the share of rounds done. Once `stop` says so, no more records are made, and those that there are stand in.
     ///
     /// # Errors
     /// The device fails, has no memory left or ends the loops of captures.
@@ -180,9 +183,9 @@ impl IrradianceCache {
         ground: &Ground<'_>,
         (gbuffer, viewpoint): (&Targets, &Viewpoint),
         store: &mut Records,
-        progress: impl FnMut(u64, f32),
+        (stop, progress): (&dyn Fn() -> bool, impl FnMut(u64, f32)),
     ) -> Result<CacheStats> {
-        Filling::new(self, ground, (gbuffer, viewpoint), store)?.run(recorder, progress)
+        Filling::new(self, ground, (gbuffer, viewpoint), (store, stop))?.run(recorder, progress)
     }
 
     fn batch(&self) -> Batch<'_> {
@@ -191,7 +194,7 @@ impl IrradianceCache {
 
     /// Where records disagree, smaller ones are put between them: as long as the lattice is no finer than their zones.
     fn need(&self, lattice: Lattice) -> Need {
-        let refines = (lattice.stride / 2) as f32 >= self.min_radius;
+        let refines = (lattice.stride / 2) as f32 >= self.reach.min;
         let contrast = if refines { self.settings.told_contrast() } else { 0.0 };
         Need { covered: self.settings.covered, contrast }
     }

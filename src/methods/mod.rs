@@ -19,6 +19,8 @@ pub mod rates;
 pub mod records;
 mod sky;
 pub mod sphere_probes;
+pub mod surface_cache;
+pub mod surface_irradiance;
 pub mod volume;
 pub mod work;
 

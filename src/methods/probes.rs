@@ -133,7 +133,7 @@ impl<'a> Probes<'a> {
         let has_sky = !scene.background.is_black();
         let sky = has_sky.then(|| Sky::new(device, &scene.background, size, false)).transpose()?;
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };
-        light_surfaces(device, recorder, &ground, &settings.lights, has_sky)?;
+        light_surfaces(device, recorder, &ground, scene, &settings.lights)?;
 
         let captures = Captures::new(
             device,
@@ -252,13 +252,13 @@ impl<'a> Probes<'a> {
     }
 }
 
-/// Lights the surface cells directly, each reflecting to both sides what reaches them.
+/// Lights the surface cells directly, by the lights of `lit_by`, each reflecting to both sides what reaches them.
 pub(super) fn light_surfaces(
     device: &Arc<Device>,
     recorder: &mut Recorder,
     ground: &Ground<'_>,
+    lit_by: &Scene,
     settings: &LightSettings,
-    sky: bool,
 ) -> Result<()> {
     recorder.submit(|recording| {
         recording.pass("clear", |c| {
@@ -268,14 +268,14 @@ pub(super) fn light_surfaces(
     })?;
     let extent = Extent { bounds: ground.geometry.bounds, radius: ground.geometry.radius };
     let casters = Arc::new(Casters::exact(device, ground)?);
-    for set in light_sets(ground.scene, extent, settings, sky)? {
+    for set in light_sets(lit_by, extent, settings, !lit_by.background.is_black())? {
         DirectLight::new(device, set, ground, &casters, (true, false))?.run(recorder, ground, (true, None), |_| {})?;
     }
     Ok(())
 }
 
 /// The capture frame of a place; twin of `place_records.comp`.
-fn frame(place: &Place, scene_radius: f32, scale: f32) -> Frame {
+pub(super) fn frame(place: &Place, scene_radius: f32, scale: f32) -> Frame {
     let Place { position, normal: n, geometric, turn } = *place;
     // Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin 2017: a frame without a branch on the normal.
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };

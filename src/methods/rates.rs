@@ -18,7 +18,7 @@ use crate::passes::splat::{Contribution, Outputs, Source, Splat, View, Weight};
 use crate::passes::views::Views;
 use crate::scene::Scene;
 use crate::scene::build::{Builder, Facing, diffuse};
-use crate::vk::gpu_types::{Frame, Kept, Payload, Record};
+use crate::vk::gpu_types::{Frame, Kept, KeptPayload, Payload, Record};
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, Device, Memory, Result};
 use glam::{Mat4, Vec3, Vec4};
@@ -221,14 +221,9 @@ fn integrated(
 /// Blended fragments in a second.
 fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) -> Result<f64> {
     let gbuffer = GBuffer::new(device, ground.scene, ground.geometry, None, [IMAGE; 2], false)?;
-    let place = Kept {
-        position: [0.0, 0.0, 0.0, ZONE],
-        normal: [0.0, 0.0, 1.0, 1.0],
-        geometric: [0.0, 0.0, 1.0, 0.0],
-        tangent: [1.0, 0.0, 0.0, 0.0],
-    };
+    let place = Kept { position: [0.0, 0.0, 0.0, ZONE], normal: [0.0, 0.0, 1.0, 0.0], tangent: [1.0, 0.0, 0.0, 0.0] };
     let records = Buffer::with_data(device, "records", &vec![place; SPLATS as usize])?;
-    let payloads = Buffer::with_data(device, "records", &vec![Payload::default(); SPLATS as usize])?;
+    let payloads = Buffer::with_data(device, "records", &vec![KeptPayload::default(); SPLATS as usize])?;
     let zones = Buffer::with_data(device, "records", &vec![ZONE; SPLATS as usize])?;
     let source = Source { records: &records, payloads: &payloads, horizons: &records, zones: &zones };
     let outputs = Outputs { sky: false, tally: false, fragments: false };
@@ -243,6 +238,7 @@ fn splats(device: &Arc<Device>, ground: &Ground<'_>, stopwatch: &mut Stopwatch) 
         scale: [1.0, -1.0, 0.0, 1.0],
         accuracy: 0.3,
         normal_limit: 2.0,
+        share: 1.0,
     };
     let seconds = stopwatch.seconds(|recording| {
         recording.pass("gbuffer", |c| {

@@ -5,14 +5,19 @@
 //! grows without being copied and no buffer depends on how many records there are; only their entries in the index, 32 bytes each,
 //! lie in one buffer.
 
+pub mod file;
+mod stored;
+
+pub use stored::Stored;
+
 use crate::passes::index_records::Index;
 use crate::passes::keep_records::{Horizon, Piece, Run};
-use crate::vk::gpu_types::{Kept, Payload};
+use crate::vk::gpu_types::{Kept, KeptPayload};
 use crate::vk::{Buffer, Commands, Device, Memory, Result};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Records of a piece: at most 22 MB with all that they keep: 16 384 × (64 + 2 × 112 + 1024) bytes.
+/// Records of a piece: at most 20 MB with all that they keep: 16 384 × (48 + 2 × 80 + 1024) bytes.
 const PIECE: u32 = 1 << 14;
 
 /// What is kept of every record.
@@ -141,7 +146,7 @@ impl Buffers {
         let buffer = |bytes: u64| Buffer::new(device, "kept records", u64::from(PIECE) * bytes, Memory::Device);
         Ok(Self {
             records: buffer(size_of::<Kept>() as u64)?,
-            payloads: buffer(u64::from(shape.payloads) * size_of::<Payload>() as u64)?,
+            payloads: buffer(u64::from(shape.payloads) * size_of::<KeptPayload>() as u64)?,
             horizons: match shape.horizon {
                 Some(horizon) => buffer(horizon.bytes())?,
                 None => Buffer::new(device, "kept records", 4, Memory::Device)?,

@@ -77,7 +77,7 @@ impl<'a> SphereProbes<'a> {
         let has_sky = !scene.background.is_black();
         let sky = has_sky.then(|| Sky::new(device, &scene.background, settings.capture_size, false)).transpose()?;
         let ground = Ground { scene, geometry: &geometry, textures: textures.as_ref() };
-        light_surfaces(device, recorder, &ground, &settings.lights, has_sky)?;
+        light_surfaces(device, recorder, &ground, scene, &settings.lights)?;
         let desc = GatherDesc {
             projection: Projection::Cube,
             basis: Basis::Sh(settings.order),

@@ -66,19 +66,18 @@ pub enum Whose {
 pub struct ClampRecords {
     pipeline: ComputePipeline,
     layout: SetLayout,
-    reach: Reach,
     clamped: bool,
 }
 
 impl ClampRecords {
     /// With `clamped` neighbours count, else R and the limits alone.
-    pub fn new(device: &Arc<Device>, (index, zones): (&Index, &Buffer), clamped: bool, reach: Reach) -> Result<Self> {
+    pub fn new(device: &Arc<Device>, (index, zones): (&Index, &Buffer), clamped: bool) -> Result<Self> {
         let layout = SetLayout::of(device, &bindings(index, zones))?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
         let code = spirv!("clamp_records", "clamp_records.comp");
         let constants = Specialisation(vec![u32::from(clamped)]);
         let pipeline = ComputePipeline::new("clamp_records", &pipeline_layout, code, constants)?;
-        Ok(Self { pipeline, layout, reach, clamped })
+        Ok(Self { pipeline, layout, clamped })
     }
 
     /// The buffers of `index`, and where radii go.
@@ -87,7 +86,14 @@ impl ClampRecords {
     }
 
     /// Radii of a range of records.
-    pub fn record(&self, commands: &Commands, set: &DescriptorSet, view: &Footprint, of: Range<u32>, whose: Whose) {
+    pub fn record(
+        &self,
+        commands: &Commands,
+        set: &DescriptorSet,
+        (view, reach): (&Footprint, Reach),
+        of: Range<u32>,
+        whose: Whose,
+    ) {
         self.pipeline.bind(commands, &[set]);
         let (is_new, records) = match whose {
             Whose::New { indexed } => (1, indexed),
@@ -105,7 +111,7 @@ impl ClampRecords {
                 end,
                 is_last: u32::from(end == groups_of_all),
                 is_new,
-                reach: self.reach,
+                reach,
             };
             self.pipeline.layout.push(commands, &push);
             self.pipeline.dispatch(commands, groups(push.count, 64));

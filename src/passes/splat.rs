@@ -24,8 +24,10 @@ pub struct View {
     pub scale: [f32; 4],
     /// Ward's a.
     pub accuracy: f32,
-    /// √(1 − n·n_k) at which the weight has fallen to zero.
+    /// √(1 − n·n_k) at which the weight has fallen to zero; 0: records light any surface, as if it had their normal.
     pub normal_limit: f32,
+    /// Share of the weight that counts: 1, or next to nothing for what stands in where nothing else is.
+    pub share: f32,
 }
 
 #[repr(C)]

@@ -84,6 +84,7 @@ impl View {
             scale: [self.scale.x, self.scale.y, 0.0, f32::from(u8::from(self.perspective))],
             accuracy: settings.accuracy,
             normal_limit: settings.normal_limit,
+            share: 1.0,
         };
         let footprint = Footprint {
             eye: if self.perspective { self.eye.to_array() } else { [0.0; 4] },

@@ -55,6 +55,8 @@ pub enum Part {
     CoarseCasters,
     /// Direct light of surface cells.
     SurfaceLight,
+    /// Light goes on from cell to cell.
+    SurfaceCache,
     /// Pixels without records are found.
     FindUncovered,
     /// Records are placed.
@@ -108,6 +110,7 @@ impl Part {
             Self::Sky => "sky",
             Self::CoarseCasters => "coarse casters",
             Self::SurfaceLight => "surface_light",
+            Self::SurfaceCache => "surface cache",
             Self::FindUncovered => "find_uncovered",
             Self::PlaceRecords => "place_records",
             Self::Capture => "capture",
@@ -182,6 +185,8 @@ impl Plan {
         plan.captures = indirect || sky;
         let why = if settings.bounces == 0 { NO_BOUNCES } else { NO_LIGHT };
         plan.part(Part::SurfaceLight, indirect, why);
+        let again = if indirect { "no second bounce is asked for" } else { why };
+        plan.part(Part::SurfaceCache, indirect && settings.cell_bounces() > 0, again);
         let cache = &settings.cache;
         let against_compute = settings.against_compute(scene, device);
         let compute = plan.captures && against_compute.is_none();

@@ -5,6 +5,7 @@ use crate::math::density::Focus;
 use crate::methods::captures::CaptureMode;
 use crate::methods::irradiance_cache::CacheSettings;
 use crate::methods::light_set::LightSettings;
+use crate::methods::surface_cache::{ALL_BOUNCES, Solver};
 use crate::passes::integrate::{Gradients, Radius};
 use crate::passes::resolve::Plane;
 use crate::passes::splat::Weight;
@@ -26,8 +27,14 @@ pub struct Settings {
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Reflections on the way: 0 direct light only, 1 one bounce of indirect light.
+    /// Reflections on the way: 0 direct light only, 1 one bounce of indirect light, [`ALL_BOUNCES`] as many as carry light.
     pub bounces: u32,
+    /// Of all bounces, the share of the light that may be missing.
+    pub bounce_tolerance: f32,
+    /// How all bounces are summed.
+    pub bounce_solver: Solver,
+    /// Places on the surface that capture light beyond the first bounce, about. `None`: by the number of cells.
+    pub places: Option<u32>,
     /// The irradiance cache.
     pub cache: CacheSettings,
     /// Direct light.
@@ -67,6 +74,9 @@ impl Default for Settings {
             width: 1280,
             height: 720,
             bounces: 1,
+            bounce_tolerance: 1e-3,
+            bounce_solver: Solver::Accelerated,
+            places: None,
             cache: CacheSettings {
                 accuracy: 0.3,
                 capture: CaptureMode::Auto,
@@ -106,6 +116,11 @@ pub struct SettingsError {
 }
 
 impl Settings {
+    /// Reflections whose light surface cells receive before records look at them.
+    pub(super) fn cell_bounces(&self) -> u32 {
+        if self.bounces == ALL_BOUNCES { ALL_BOUNCES } else { self.bounces.saturating_sub(1) }
+    }
+
     /// Those of a view.
     pub fn view(&self) -> ViewSettings {
         let Self { width, height, cache, planes, counts_work, .. } = self.clone();
@@ -153,7 +168,10 @@ impl Settings {
         let side = limits.max_image_dimension2_d.min(limits.max_framebuffer_width).min(limits.max_framebuffer_height);
         range("--width", self.width, 1, side)?;
         range("--height", self.height, 1, side)?;
-        range("--bounces", self.bounces, 0, 1)?;
+        if !(self.bounce_tolerance > 0.0 && self.bounce_tolerance < 1.0) {
+            return Err(error("--bounce-tolerance", self.bounce_tolerance, "must be above 0 and below 1"));
+        }
+        range("--places", self.places.unwrap_or(1), 1, 1 << 20)?;
         range("--capture-size", self.cache.capture_size, 8, 256)?;
         if !self.cache.capture_size.is_multiple_of(2) {
             let rule = "must be even: the horizon lies between two rows of a hemicube's sides";
@@ -188,6 +206,7 @@ impl Settings {
         if !(0.0..=1e4).contains(&self.cache.contrast) {
             return Err(error("--contrast", self.cache.contrast, "must be from 0 (records may disagree) to 10000"));
         }
+        positive("--normal-limit", self.cache.normal_limit, 10.0)?;
         range("--batch", self.cache.batch.unwrap_or(1), 1, u32::MAX)?;
         positive("--min-radius", self.cache.min_radius, 1e4)?;
         positive("--max-radius", self.cache.max_radius, 1e4)?;

@@ -6,6 +6,7 @@ use crate::methods::casters::{Casters, CoarseSurface};
 use crate::methods::direct::DirectLight;
 use crate::methods::light_samples::light_sets;
 use crate::methods::light_set::{Extent, LightSet};
+use crate::methods::surface_cache::{self, Bounced, Looking, SurfaceCacheSettings};
 use crate::methods::{Ground, Sky};
 use crate::passes::geometry::{Arrangement, Geometry, SurfaceSize};
 use crate::passes::material::Textures;
@@ -14,6 +15,9 @@ use crate::scene::Scene;
 use crate::vk::pass::Recorder;
 use crate::vk::{Device, Error as VulkanError};
 use std::sync::Arc;
+
+/// Texels a side of the captures of places: many see each cell, so that coarse ones do.
+const PLACE_SIZE: u32 = 16;
 
 /// What follows from the scene and its settings alone.
 pub(super) struct Surface {
@@ -28,6 +32,8 @@ pub(super) struct Surface {
     has_cells: bool,
     /// The cells are lit, or cleared where no light is to be seen on them.
     is_lit: bool,
+    /// What was done for light that goes on from cell to cell, once they are lit.
+    pub(super) bounced: Option<Bounced>,
 }
 
 impl Surface {
@@ -50,8 +56,9 @@ impl Surface {
             .transpose()?;
         clock.lap("upload scene");
         let has_cells = plan.captures && settings.bounces > 0;
-        let (is_captured, lights) = (plan.captures, Vec::new());
-        let mut surface = Self { geometry, textures, sky, lights, size, is_captured, has_cells, is_lit: false };
+        let (is_captured, lights, bounced) = (plan.captures, Vec::new(), None);
+        let mut surface =
+            Self { geometry, textures, sky, lights, size, is_captured, has_cells, is_lit: false, bounced };
         let ground = surface.ground(scene);
         let coarse = plan.runs(Part::CoarseCasters).then(|| CoarseSurface::new(device, &ground)).transpose()?.flatten();
         if plan.runs(Part::CoarseCasters) && coarse.is_none() {
@@ -101,6 +108,40 @@ impl Surface {
         }
         self.is_lit = true;
         Ok(())
+    }
+
+    /// Lets the light of the cells go on from one to another, as the plan says, unless that is done; a warning where it is not
+    /// done as asked for.
+    pub(super) fn bounce(
+        &mut self,
+        (device, recorder): (&Arc<Device>, &mut Recorder),
+        scene: &Scene,
+        plan: &Plan,
+        settings: &Settings,
+        on_progress: OnProgress<'_>,
+    ) -> Result<Option<String>, VulkanError> {
+        if self.bounced.is_some() || !plan.runs(Part::SurfaceCache) {
+            return Ok(None);
+        }
+        let looking = Looking {
+            size: PLACE_SIZE,
+            in_compute: plan.compute(),
+            lod_error: settings.cache.lod_error,
+            shared: settings.cache.share_views,
+        };
+        let wanted = SurfaceCacheSettings {
+            bounces: settings.cell_bounces(),
+            tolerance: settings.bounce_tolerance,
+            solver: settings.bounce_solver,
+            places: settings.places,
+            looking,
+        };
+        let mut hear = |done| on_progress("bounces", done, 3);
+        let ground = self.ground(scene);
+        let bounced = surface_cache::add_bounces(device, recorder, &ground, &wanted, &mut hear)?;
+        let warning = bounced.warning();
+        self.bounced = Some(bounced);
+        Ok(warning)
     }
 }
 

@@ -99,13 +99,12 @@ impl View {
         ground: &Ground<'_>,
         eyes: &Eyes,
         records: Option<&mut Records>,
-        on_progress: OnProgress<'_>,
+        (stop, on_progress): (&dyn Fn() -> bool, OnProgress<'_>),
     ) -> Result<CacheStats> {
         let Some((cache, records)) = self.cache.as_ref().zip(records) else { return Ok(CacheStats::default()) };
         let viewpoint = eyes.viewpoint(&self.settings.cache, ground.geometry.radius);
-        cache.run(recorder, ground, (&self.gbuffer.targets, &viewpoint), records, |_, share| {
-            on_progress("records", (share * 1000.0) as u64, 1000)
-        })
+        let progress = |_, share| on_progress("records", (share * 1000.0) as u64, 1000);
+        cache.run(recorder, ground, (&self.gbuffer.targets, &viewpoint), records, (stop, progress))
     }
 
     /// Makes the image.

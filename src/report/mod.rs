@@ -5,6 +5,7 @@ pub mod csv;
 pub mod limits;
 pub mod profile;
 pub mod progress;
+pub mod solvers;
 pub mod stability;
 pub mod stats;
 pub mod svg;

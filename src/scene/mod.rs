@@ -19,6 +19,7 @@ pub mod load;
 pub mod opacity;
 mod sample;
 mod tessellate;
+mod whiten;
 
 pub use camera::{LARGEST_SIDE, frame, image_size};
 pub use cornell::cornell;

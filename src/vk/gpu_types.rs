@@ -36,11 +36,9 @@ pub struct Record {
 pub struct Kept {
     /// Position; R in world units, without any limit.
     pub position: [f32; 4],
-    /// Shading normal; 1/R by the harmonic mean distance.
+    /// Shading normal; largest 1/(forward distance) of the horizon.
     pub normal: [f32; 4],
-    /// Geometric normal; largest 1/(forward distance) of the horizon.
-    pub geometric: [f32; 4],
-    /// First axis of the capture.
+    /// First axis of the capture; the second is normal × tangent.
     pub tangent: [f32; 4],
 }
 
@@ -64,6 +62,18 @@ pub struct Payload {
     pub rotation: [[f32; 4]; 3],
     /// Translation gradient a channel.
     pub translation: [[f32; 4]; 3],
+}
+
+/// What a kept record carries; `KeptPayload` in GLSL.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct KeptPayload {
+    /// Irradiance, W·m⁻²; the most that red can be.
+    pub irradiance: [f32; 4],
+    /// A channel: rotation gradient (x, y) and translation gradient (x, y) along the axes of the capture.
+    pub change: [[f32; 4]; 3],
+    /// The most that green and blue can be.
+    pub most: [f32; 4],
 }
 
 /// One sample of a light; `LightSample` in GLSL.
@@ -147,9 +157,10 @@ pub struct FaceTexel {
 const _: () = {
     assert!(size_of::<Frame>() == 80);
     assert!(size_of::<Record>() == 48);
-    assert!(size_of::<Kept>() == 64);
+    assert!(size_of::<Kept>() == 48);
     assert!(size_of::<Entry>() == 32);
     assert!(size_of::<Payload>() == 112);
+    assert!(size_of::<KeptPayload>() == 80);
     assert!(size_of::<LightSample>() == 48);
     assert!(size_of::<EmitterFace>() == 48);
     assert!(size_of::<Material>() == 144);

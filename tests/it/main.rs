@@ -9,6 +9,7 @@
 
 mod analytic;
 mod bad_scenes;
+mod bounces;
 mod capabilities;
 mod captures;
 mod cells;
@@ -35,6 +36,7 @@ mod references;
 mod scenes;
 mod shadows;
 mod slices;
+mod solvers;
 mod stability;
 mod validation;
 mod views;

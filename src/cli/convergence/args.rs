@@ -31,6 +31,12 @@ pub struct ConvergenceArgs {
         "capture_size", "capture", "gradients", "rays", "spp", "reference", "layer", "reference_time", "flip", "peers",
         "fresh"], help_heading = "What is measured")]
     pub stability: bool,
+    /// Write a table and charts of solvers instead: all bounces summed one by one and by GMRES, in rooms where light goes on
+    /// for long, with products, time, residual, what is missing after each product, and the error
+    #[arg(long, conflicts_with_all = ["stability", "scene", "background", "camera", "width", "height", "quick", "repeats",
+        "accuracy", "capture_size", "capture", "gradients", "rays", "spp", "reference", "layer", "reference_time", "flip",
+        "peers", "fresh"], help_heading = "What is measured")]
+    pub solvers: bool,
     /// Few points, one timing each: under two minutes for the Cornell box on two cores
     #[arg(long, help_heading = "What is measured")]
     pub quick: bool,

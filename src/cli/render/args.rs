@@ -1,9 +1,11 @@
 //! The flags of `hemicube render`.
 
-use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use super::cache::CacheArgs;
+use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg, SolverArg};
 use super::path::PathArgs;
 use crate::cli::choices::{CaptureArg, GradientsArg, WeightArg};
-use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs};
+use crate::cli::common::{DeviceArgs, ImageArgs, SceneArgs, TalkArgs, parse_seconds};
+use crate::cli::reference::parse_bounces;
 use clap::Args;
 use hemicube::image::LayerSet;
 use hemicube::image::tone::{Exposure, ToneMap};
@@ -21,8 +23,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     /// Image to write: .exr (linear floats, with layers), .hdr (linear, colour alone), .png or .jpg (tone-mapped)
-    #[arg(short, long, value_name = "OUT.exr|hdr|png|jpg")]
-    pub(super) output: PathBuf,
+    #[arg(short, long, value_name = "OUT.exr|hdr|png|jpg", required_unless_present = "y4m")]
+    pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     pub(super) path: PathArgs,
     #[command(flatten)]
@@ -41,11 +43,22 @@ pub struct RenderArgs {
     pub(super) tone: Option<ToneMap>,
     /// Draw the samples of this volume (`hemicube bake volume`) over the image, as white balls in their own light; samples inside
     /// of geometry are red
-    #[arg(long, value_name = "VOLUME.json", conflicts_with = "frames", help_heading = "Image")]
+    #[arg(long, value_name = "VOLUME.json", conflicts_with = "frames", help_heading = "Image", hide_short_help = true)]
     pub(super) show_probes: Option<PathBuf>,
-    /// Bounces of indirect light: 0 for direct light only, 1 for one bounce
-    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Light")]
+    /// Bounces of indirect light: 0 for direct light only, all for as many as carry light
+    ///
+    /// Bounces beyond the first are gathered at sparse places on the surfaces, each captured once.
+    #[arg(long, value_name = "N|all", default_value = "1", value_parser = parse_bounces, help_heading = "Light")]
     pub(super) bounces: u32,
+    /// Share of the light that --bounces all may leave out
+    #[arg(long, default_value_t = Settings::default().bounce_tolerance, value_name = "SHARE", help_heading = "Light", hide_short_help = true)]
+    pub(super) bounce_tolerance: f32,
+    /// Solver of --bounces all
+    #[arg(long, value_enum, default_value = "accelerated", help_heading = "Light", hide_short_help = true)]
+    pub(super) bounce_solver: SolverArg,
+    /// Approximate number of places that gather the bounces beyond the first; without it one per hundred surface cells, 1024 to 3072
+    #[arg(long, value_name = "N", help_heading = "Light", hide_short_help = true)]
+    pub(super) places: Option<u32>,
     /// Light samples over all emissive triangles, at least one per triangle; more samples give smoother soft shadows
     #[arg(long, default_value_t = Settings::default().lights.area_samples, value_name = "N", help_heading = "Light")]
     pub(super) light_samples: u32,
@@ -137,6 +150,14 @@ pub struct RenderArgs {
     /// Seed of the captures' random rotations
     #[arg(long, default_value_t = 0, help_heading = "Irradiance cache", hide_short_help = true)]
     pub(super) seed: u32,
+    #[command(flatten)]
+    pub(super) cache: CacheArgs,
+    /// Place no more records after so many seconds of the run
+    ///
+    /// The picture is complete, of the records that there are, and gets better with more time. Of a sequence no more frames are begun
+    /// (--resume goes on).
+    #[arg(long, value_name = "S", value_parser = parse_seconds, help_heading = "Irradiance cache")]
+    pub(super) time_limit: Option<f64>,
     /// Build and run every pass, needed or not (to check that leaving passes out changes no pixel)
     #[arg(long, hide_short_help = true, help_heading = "Device")]
     pub(super) full_plan: bool,
@@ -167,9 +188,14 @@ Examples:
   hemicube render -o cornell.exr
   hemicube render sponza.gltf -o sponza.png --exposure 1
   hemicube render sponza.gltf -o sponza.exr --width 640 --height 360 --accuracy 0.2 --stats sponza.json
+  hemicube render room.glb -o room.png --bounces all
   hemicube render room.glb -o room.exr --background sky.exr --layers all --trace room.trace.json
   hemicube render walk.glb -o walk.%04d.png --frames 0-239 --fps 24
   hemicube render sponza.gltf -o turn.png --frames 0-59 --orbit 90 --stats turn.json
+  hemicube render sponza.gltf --frames 0-95 --walk walk.json --y4m | ffmpeg -i - walk.mp4
+  hemicube render sponza.gltf -o walk.png --frames 0-95 --walk walk.json --cache sponza.records
+    walk.json: {\"keys\": [{\"time\": 0, \"eye\": [-10, 1.7, -0.5], \"target\": [0, 2, 0]},
+                        {\"time\": 4, \"eye\": [4, 1.7, -0.3], \"target\": [12, 4, 0]}]}
 
 A draft, in half to a sixth of the time, with three times the error: --accuracy 1 --capture-size 16 --contrast 0 --surface-cells 60000
 --min-radius .06 --max-radius .1

@@ -37,3 +37,12 @@ pub enum HiddenArg {
     /// The record contributes if position and normal fit
     Allow,
 }
+
+/// `--bounce-solver`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SolverArg {
+    /// One bounce after the other
+    Plain,
+    /// GMRES (Saad and Schultz 1986)
+    Accelerated,
+}

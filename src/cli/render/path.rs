@@ -17,8 +17,8 @@ const MOST_FRAMES: u32 = 1_000_000;
 pub struct PathArgs {
     /// Render frames A to B, a file each
     ///
-    /// Frame n shows the file's animation at n / fps seconds, unless --orbit or --walk moves the camera. Records are kept from frame to frame. OUT may hold %04d for the
-    /// frame's number; else it goes before the extension.
+    /// Frame n shows the file's animation at n / fps seconds, unless --orbit or --walk moves the camera. Records are kept from frame to
+    /// frame, as long as nothing but cameras moves. OUT may hold %04d for the frame's number; else it goes before the extension.
     #[arg(long, value_name = "A-B", value_parser = frames, help_heading = "Scene")]
     pub frames: Option<RangeInclusive<u32>>,
     /// Frames a second
@@ -31,7 +31,8 @@ pub struct PathArgs {
         hide_short_help = true
     )]
     pub fps: f64,
-    /// Turn the camera by so many degrees in all about the vertical axis through the middle of the scene; 360 is a closed loop
+    /// Turn the camera by so many degrees in all, over frames A to B, about the vertical axis through the middle of the scene;
+    /// 360 is a closed loop
     #[arg(
         long,
         value_name = "DEG",
@@ -42,10 +43,18 @@ pub struct PathArgs {
         hide_short_help = true
     )]
     pub orbit: Option<f64>,
-    /// Move the camera along the keys of a JSON file: {"keys": [{"time": 0, "eye": [x, y, z], "target": [x, y, z]}, …]}, times in
-    /// seconds, straight lines between keys; the lens stays
+    /// Move the camera along the keys of a JSON file, as in the example below: times in seconds, eye and target in world space,
+    /// straight lines between keys, +Y up; the lens stays
     #[arg(long, value_name = "FILE.json", requires = "frames", help_heading = "Scene", hide_short_help = true)]
     pub walk: Option<PathBuf>,
+    /// Write the frames to the standard output too, tone-mapped, as YUV4MPEG2, which encoders read; -o may be left out then, and what
+    /// is said goes to the standard error output
+    #[arg(long, requires = "frames", help_heading = "Scene", hide_short_help = true)]
+    pub y4m: bool,
+    /// Leave out frames whose file is there already, so that a job that was stopped goes on; with --cache its frames are those of
+    /// an unbroken one
+    #[arg(long, requires = "frames", conflicts_with = "y4m", help_heading = "Scene", hide_short_help = true)]
+    pub resume: bool,
 }
 
 /// A range of frames, `A-B` or one number.
@@ -67,8 +76,11 @@ fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
 pub struct CameraPath {
     /// Frames of the sequence.
     pub frames: RangeInclusive<u32>,
-    fps: f64,
+    /// Frames a second.
+    pub fps: f64,
     way: Way,
+    /// The file's cameras at rest, in the world.
+    rest: Vec<Camera>,
 }
 
 #[derive(Debug)]
@@ -112,18 +124,26 @@ impl CameraPath {
                 Way::Animation
             }
         };
-        Ok(Some(Self { frames, fps, way }))
+        Ok(Some(Self { frames, fps, way, rest: Vec::new() }))
     }
 
     /// The scene as the first frame shows it.
-    pub fn load(&self, args: &SceneArgs) -> Result<Scene> {
+    pub fn load(&mut self, args: &SceneArgs) -> Result<Scene> {
         if !matches!(self.way, Way::Animation) {
             return args.load();
         }
         let nothing = "the scene has no animation to follow: --orbit DEG or --walk FILE.json moves the camera";
         ensure!(args.scene.is_some(), nothing);
-        ensure!(!args.load()?.animations.is_empty(), nothing);
-        self.moment(args, *self.frames.start())
+        let rest = args.load()?;
+        ensure!(!rest.animations.is_empty(), nothing);
+        self.rest = moved(rest.cameras, rest.origin);
+        Ok(self.at_rest(self.moment(args, *self.frames.start())?))
+    }
+
+    /// The same scene with the file's cameras where they rest: surfaces are lit more finely near these, and a frame's light shall not
+    /// depend on which one comes first.
+    pub fn at_rest(&self, moment: Scene) -> Scene {
+        Scene { cameras: moved(self.rest.clone(), -moment.origin), ..moment }
     }
 
     fn moment(&self, args: &SceneArgs, frame: u32) -> Result<Scene> {
@@ -152,6 +172,11 @@ impl CameraPath {
         };
         Ok(Camera { camera_to_world, ..camera.clone() })
     }
+}
+
+fn moved(mut cameras: Vec<Camera>, by: DVec3) -> Vec<Camera> {
+    cameras.iter_mut().for_each(|camera| camera.camera_to_world.w_axis += by.extend(0.0));
+    cameras
 }
 
 fn turned(scene: &Scene, camera_to_world: DMat4, angle: f64) -> DMat4 {

@@ -2,10 +2,12 @@
 //! `--stats` and `--trace`.
 
 use super::args::RenderArgs;
+use super::bounces::{in_numbers, in_words};
 use crate::cli::common::TalkArgs;
 use crate::cli::say::{remark, say};
 use anyhow::Result;
 use hemicube::methods::rates::Rates;
+use hemicube::methods::surface_cache::ALL_BOUNCES;
 use hemicube::renderer::{Part, Plan, Rendered, Settings};
 use hemicube::report::limits::Share;
 use hemicube::report::profile::{PassTimes, Profile};
@@ -86,7 +88,7 @@ impl Report {
             ("lens", format!("{:?}", camera.lens)),
             ("size", format!("{}x{}", settings.width, settings.height)),
             ("device", self.device.physical.name.clone()),
-            ("bounces", settings.bounces.to_string()),
+            ("bounces", if settings.bounces == ALL_BOUNCES { "all".into() } else { settings.bounces.to_string() }),
             ("seed", cache.seed.to_string()),
             ("cache", format!("{cache:?}")),
             ("lights", format!("{:?}", settings.lights)),
@@ -118,6 +120,12 @@ impl Report {
     /// Warns of what went otherwise than planned, and of values that no picture should have.
     pub fn check(&self, rendered: &Rendered) {
         rendered.warnings.iter().filter(|_| !self.talk.quiet).for_each(|warning| remark!("warning: {warning}"));
+        if rendered.cache.unfinished && !self.talk.quiet {
+            let records = rendered.cache.records + rendered.cache.reused;
+            remark!(
+                "note: stopped before all records were placed: the picture is made of {records}; --cache is left as it was"
+            );
+        }
         let picture = &rendered.picture;
         for (channel, count) in picture.non_finite() {
             remark!("warning: {count} pixels of {channel} are NaN or infinite");
@@ -172,13 +180,20 @@ impl Report {
         }
         if !self.talk.quiet {
             say!("\n{}", profile.to_string().trim_end());
+            let wrote = args.output.as_ref().map(|path| format!(", wrote {}", path.display())).unwrap_or_default();
+            let reused = match rendered.cache.reused {
+                0 => String::new(),
+                reused => format!(", {reused} reused"),
+            };
             say!(
-                "{} records in {} rounds, {} MB on the device, wrote {}",
+                "{} records in {} rounds{reused}, {} MB on the device{wrote}",
                 rendered.cache.records,
                 rendered.cache.rounds,
-                rendered.memory.peak >> 20,
-                args.output.display()
+                rendered.memory.peak >> 20
             );
+            if let Some(bounced) = &rendered.bounced {
+                say!("{}", in_words(bounced));
+            }
             if let Some(work) = rendered.cache.work {
                 let pixels = f64::from(rendered.picture.width) * f64::from(rendered.picture.height);
                 say!(
@@ -240,11 +255,16 @@ impl Report {
         if !rendered.warnings.is_empty() {
             stats.extra.insert("warnings".into(), json!(rendered.warnings));
         }
+        if let Some(bounced) = &rendered.bounced {
+            stats.extra.insert("bounces".into(), in_numbers(bounced));
+        }
         if let Some(work) = rendered.cache.work {
             let work = json!({"triangle_views": work.triangle_views, "texels": work.texels,
                 "fragments": work.fragments, "weighted_fragments": work.weighted_fragments});
             stats.extra.insert("work".into(), work);
         }
+        stats.extra.insert("unfinished".into(), json!(rendered.cache.unfinished));
+        stats.extra.insert("reused".into(), json!(rendered.cache.reused));
         stats.extra.extend(self.extra.iter().map(|(key, value)| ((*key).to_owned(), value.clone())));
         stats.validation_messages = u64::from(messages);
         stats.set_times(profile);

@@ -2,9 +2,10 @@
 
 use super::Kind;
 use super::args::RenderArgs;
-use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg};
+use super::choices::{CompensationArg, HiddenArg, NeighboursArg, RadiusArg, SolverArg};
 use crate::cli::choices::{CaptureOptions, WeightArg};
 use hemicube::methods::captures::{PLANE_APERTURE, SLICES, SLICES_NEAR};
+use hemicube::methods::surface_cache::Solver;
 use hemicube::passes::integrate::{Gradients, Radius};
 use hemicube::passes::resolve::Plane;
 use hemicube::passes::splat::Weight;
@@ -17,6 +18,12 @@ impl RenderArgs {
         let (width, height) = image_size(camera, self.image.width, self.image.height);
         let mut settings =
             Settings { width, height, bounces: self.bounces, full_plan: self.full_plan, ..Settings::default() };
+        settings.bounce_tolerance = self.bounce_tolerance;
+        settings.bounce_solver = match self.bounce_solver {
+            SolverArg::Plain => Solver::Plain,
+            SolverArg::Accelerated => Solver::Accelerated,
+        };
+        settings.places = self.places;
         let cache = &mut settings.cache;
         cache.accuracy = self.accuracy;
         cache.lod_error = self.lod_error;

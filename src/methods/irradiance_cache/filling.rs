@@ -5,12 +5,12 @@ use super::{CacheStats, IrradianceCache, Viewpoint};
 use crate::methods::Ground;
 use crate::methods::captures::Captures;
 use crate::methods::records::{Records, by_piece, copy, first_of};
-use crate::passes::clamp_records::Whose;
+use crate::passes::clamp_records::{Reach, Whose};
 use crate::passes::find_uncovered::Lattice;
 use crate::passes::gbuffer::Targets;
 use crate::passes::keep_records::Piece;
 use crate::passes::place_records::Placement;
-use crate::passes::splat::Source;
+use crate::passes::splat::{Source, View};
 use crate::vk::pass::{Recorder, Recording};
 use crate::vk::{Buffer, DescriptorSet, Device, Memory, Result};
 use std::ops::Range;
@@ -18,11 +18,13 @@ use std::sync::Arc;
 
 /// A cache on its way to cover a view.
 pub struct Filling<'a> {
-    cache: &'a IrradianceCache,
+    pub(super) cache: &'a IrradianceCache,
     ground: &'a Ground<'a>,
-    gbuffer: &'a Targets,
-    viewpoint: &'a Viewpoint,
-    store: &'a mut Records,
+    pub(super) gbuffer: &'a Targets,
+    pub(super) viewpoint: &'a Viewpoint,
+    pub(super) store: &'a mut Records,
+    /// Whether it is to end.
+    stop: &'a dyn Fn() -> bool,
     bound: Bound,
     stats: CacheStats,
 }
@@ -62,11 +64,11 @@ impl<'a> Filling<'a> {
         cache: &'a IrradianceCache,
         ground: &'a Ground<'a>,
         (gbuffer, viewpoint): (&'a Targets, &'a Viewpoint),
-        store: &'a mut Records,
+        (store, stop): (&'a mut Records, &'a dyn Fn() -> bool),
     ) -> Result<Self> {
         let bound = Bound::new(cache, gbuffer, store, store.device())?;
         let stats = CacheStats { reused: u64::from(store.count()), ..CacheStats::default() };
-        Ok(Self { cache, ground, gbuffer, viewpoint, store, bound, stats })
+        Ok(Self { cache, ground, gbuffer, viewpoint, store, stop, bound, stats })
     }
 
     /// Covers the view.
@@ -74,6 +76,9 @@ impl<'a> Filling<'a> {
         let (cache, lattices) = (self.cache, lattices());
         self.begin(recorder, lattices[0])?;
         self.rounds(recorder, &lattices, &mut progress)?;
+        if self.stats.unfinished {
+            self.stand_in(recorder)?;
+        }
         cache.captures.check(recorder)?;
         if let Some(meter) = &cache.meter {
             let Captures { texels, drawn_whole, .. } = cache.captures;
@@ -123,7 +128,9 @@ impl<'a> Filling<'a> {
                 left = if found == 0 { 0 } else { left - found };
                 let next = if left > 0 { Some(lattice) } else { lattices.get(index + 1) };
                 self.round(recorder, found, next.copied())?;
-                self.stats.records += u64::from(found);
+                if self.stats.unfinished {
+                    return Ok(());
+                }
                 if left == 0 {
                     break;
                 }
@@ -140,6 +147,10 @@ impl<'a> Filling<'a> {
         for batch in 0..batches {
             let first = batch * capacity;
             let count = (found - first.min(found)).min(capacity);
+            if count > 0 && self.store.count() > 0 && (self.stop)() {
+                self.stats.unfinished = true;
+                return Ok(());
+            }
             self.reserve(count)?;
             recorder.submit(|recording| {
                 if count > 0 {
@@ -150,6 +161,7 @@ impl<'a> Filling<'a> {
                     None => Ok(()),
                 }
             })?;
+            self.stats.records += u64::from(count);
         }
         Ok(())
     }
@@ -201,13 +213,24 @@ impl<'a> Filling<'a> {
                 Ok(())
             })?;
         }
+        self.splat(recording, (range, whose), (cache.reach, &self.viewpoint.view))
+    }
+
+    /// Splats a range of records, their zones within these limits.
+    pub(super) fn splat(
+        &self,
+        recording: &mut Recording<'_>,
+        (range, whose): (Range<u32>, Whose),
+        (reach, view): (Reach, &View),
+    ) -> Result<()> {
+        let (cache, bound) = (self.cache, &self.bound);
         recording.pass("clamp_records", |c| {
-            cache.clamp.record(c, &bound.clamp, &self.viewpoint.footprint, range.clone(), whose);
+            cache.clamp.record(c, &bound.clamp, (&self.viewpoint.footprint, reach), range.clone(), whose);
             Ok(())
         })?;
         recording.pass("splat", |c| {
             for (piece, part) in by_piece(range) {
-                cache.splat.record(c, &self.viewpoint.view, &bound.splat[piece], part, first_of(piece));
+                cache.splat.record(c, view, &bound.splat[piece], part, first_of(piece));
             }
             Ok(())
         })

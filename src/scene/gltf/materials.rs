@@ -45,16 +45,22 @@ pub fn convert(
     notes: &mut Notes,
 ) -> Result<Material> {
     let material = item(&document.materials, "material", index)?;
-    convert_one(material, store, notes).within(|| document.material_label(index))
+    let label = || document.material_label(index);
+    convert_one(material, &label, store, notes).within(label)
 }
 
-fn convert_one(material: &json::Material, store: &mut TextureStore<'_, '_>, notes: &mut Notes) -> Result<Material> {
+fn convert_one(
+    material: &json::Material,
+    label: &dyn Fn() -> String,
+    store: &mut TextureStore<'_, '_>,
+    notes: &mut Notes,
+) -> Result<Material> {
     let (base_color, base_info) = base(material)?;
     let sets = coordinate_sets(material);
     let emission = emission(material)?;
     let emission_info = material.emissive_texture.as_ref().filter(|_| emission != Vec3::ZERO);
     let normal = material.normal_texture.as_ref();
-    let mut base_color = clamp_color(base_color, notes)?;
+    let mut base_color = clamp_color(base_color, label, notes)?;
     let base_found = texture(base_info.as_ref().map(plain_use), sets, store).within(|| "base colour")?;
     let normal_found = texture(normal.map(normal_use), sets, store).within(|| "normal map")?;
     let emission_found = texture(emission_info.map(plain_use), sets, store).within(|| "emission")?;
@@ -122,13 +128,13 @@ fn base(material: &json::Material) -> Result<(Vec4, Option<json::texture::Info>)
     Ok((pbr.base_color_factor.0.into(), pbr.base_color_texture.clone()))
 }
 
-fn clamp_color(color: Vec4, notes: &mut Notes) -> Result<Vec4> {
+fn clamp_color(color: Vec4, label: &dyn Fn() -> String, notes: &mut Notes) -> Result<Vec4> {
     if !color.is_finite() {
         return Err(Fault::invalid(format!("base colour {color} is not finite")));
     }
     let clamped = color.clamp(Vec4::ZERO, Vec4::ONE);
     if clamped != color {
-        notes.add("base colours outside [0, 1] are clamped");
+        notes.add(format!("the base colour of {} is outside [0, 1] and is clamped", label()));
     }
     Ok(clamped)
 }

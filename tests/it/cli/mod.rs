@@ -5,6 +5,7 @@ mod conformance;
 mod first_use;
 mod pictures;
 mod probe;
+mod record_files;
 mod refusals;
 mod reports;
 mod sequences;

@@ -54,9 +54,9 @@ fn an_orbit_turns_about_the_middle_and_a_walk_follows_its_keys() {
     }
 }
 
-/// A triangle before a camera that moves along X from second 0 to 1, or that moves itself.
-fn animated(moves_camera: bool) -> Value {
-    let z = if moves_camera { 3.0 } else { -1.0 };
+/// A triangle before a camera and a lamp; the `mover` among them moves along X from second 0 to 1.
+fn animated(mover: &str) -> Value {
+    let z = if mover == "triangle" { -1.0 } else { 3.0 };
     let numbers: Vec<u8> = [0.0_f32, 1.0, 0.0, 0.0, z, 0.5, 0.0, z].iter().flat_map(|x| x.to_le_bytes()).collect();
     triangle(|document| {
         let push = |document: &mut Value, list: &str, value: Value| {
@@ -78,8 +78,16 @@ fn animated(moves_camera: bool) -> Value {
         let output = push(document, "accessors", output);
         push(document, "cameras", json!({"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}));
         let camera = push(document, "nodes", json!({"camera": 0, "translation": [0, 0, 3]}));
-        document["scenes"][0]["nodes"].as_array_mut().unwrap().push(json!(camera));
-        let node = if moves_camera { camera } else { 0 };
+        document["extensions"] = json!({"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 9}]}});
+        document["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        let lamp = json!({"translation": [0, 0, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}});
+        let lamp = push(document, "nodes", lamp);
+        document["scenes"][0]["nodes"].as_array_mut().unwrap().extend([json!(camera), json!(lamp)]);
+        let node = match mover {
+            "triangle" => 0,
+            "camera" => camera,
+            _ => lamp,
+        };
         push(
             document,
             "animations",
@@ -93,21 +101,56 @@ fn animated(moves_camera: bool) -> Value {
 
 #[test]
 fn frames_follow_the_animation_of_the_file() {
-    for moves_camera in [true, false] {
+    for (mover, change) in [("camera", None), ("triangle", Some("geometry changed")), ("lamp", Some("light changed"))] {
         let folder = folder();
-        fs::write(folder.path().join("m.gltf"), animated(moves_camera).to_string()).unwrap();
+        fs::write(folder.path().join("m.gltf"), animated(mover).to_string()).unwrap();
         let common = "--width 24 --height 24 --background 1,1,1 --layers N,Z";
         let run =
             hemicube(folder.path(), &format!("render m.gltf -o f.exr --frames 0-2 --fps 2 --stats s.json {common}"));
         assert!(run.is_clean(), "{run:?}");
-        assert_eq!(run.err.contains("geometry changed"), !moves_camera, "{run:?}");
+        assert_eq!(
+            run.err.matches("changed, so that its records are made anew").count(),
+            change.map_or(0, |_| 2),
+            "{run:?}"
+        );
+        assert!(change.is_none_or(|change| run.err.contains(&format!("note: frame 1: {change}"))), "{run:?}");
         let last = hemicube(folder.path(), &format!("render -q m.gltf -o one.exr --time 1 {common}"));
         assert_eq!(last.code, 0, "{last:?}");
-        let depth = |name: &str| {
-            let picture = hemicube::image::exr::read(&folder.path().join(name)).unwrap();
-            picture.scalar("Z").unwrap().to_vec()
-        };
-        assert!(depth("f.0002.exr") == depth("one.exr") && depth("f.0000.exr") != depth("one.exr"));
+        let read = |name: &str| hemicube::image::exr::read(&folder.path().join(name)).unwrap();
+        let depth = |name: &str| read(name).scalar("Z").unwrap().to_vec();
+        let moved = depth("f.0000.exr") != depth("f.0002.exr");
+        assert!(depth("f.0002.exr") == depth("one.exr") && moved == (mover != "lamp"), "{mover}");
+        let red = |name: &str| read(name).rgb("").unwrap()[0].to_vec();
+        assert!(red("f.0000.exr") != red("f.0002.exr"), "{mover}");
+        // Frames do not depend on those before, but for the records that these leave.
+        let alone = hemicube(folder.path(), &format!("render -q m.gltf -o g.exr --frames 2 --fps 2 {common}"));
+        assert!(alone.code == 0 && depth("g.0002.exr") == depth("f.0002.exr"), "{alone:?}");
+        if change.is_some() {
+            assert!(red("g.0002.exr") == red("f.0002.exr"), "{mover}");
+        }
+    }
+}
+
+#[test]
+fn frames_go_to_the_standard_output_as_video() {
+    let folder = folder();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_hemicube"));
+    let arguments = "render --frames 0-2 --fps 12 --orbit 20 --width 10 --height 6 --y4m --stats s.json --tone srgb";
+    let output = command.current_dir(folder.path()).args(arguments.split_whitespace()).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("frame 2: "), "{said}");
+    let header = b"YUV4MPEG2 W10 H6 F12:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
+    let frames = output.stdout.strip_prefix(header).unwrap();
+    assert_eq!(frames.len(), 3 * (6 + 3 * 60));
+    assert!(frames.chunks(186).all(|frame| frame.starts_with(b"FRAME\n")) && frames[..186] != frames[186..372]);
+    // What the first frame's picture shows is what the video does: lightness rises with its code.
+    let run = hemicube(folder.path(), "render -q -o f.png --frames 0-0 --orbit 20 --width 10 --height 6 --tone srgb");
+    assert_eq!(run.code, 0, "{run:?}");
+    let png = image::open(folder.path().join("f.0000.png")).unwrap().to_rgb8();
+    for (pixel, y) in png.pixels().zip(&frames[6..66]) {
+        let [r, g, b] = pixel.0.map(f64::from);
+        let luma = 16.0 + 219.0 / 255.0 * (0.2126 * r + 0.7152 * g + 0.0722 * b);
+        assert!((luma - f64::from(*y)).abs() <= 0.51, "{luma} {y}");
     }
 }
 
