@@ -126,7 +126,9 @@ pub struct DeviceArgs {
     /// a CPU
     #[arg(long, value_name = "INDEX|NAME", help_heading = "Device")]
     pub device: Option<String>,
-    /// Check every Vulkan call, synchronisation included; messages go to the standard error output and are counted
+    /// Check every Vulkan call, also synchronisation, and count the messages
+    ///
+    /// Messages go to the standard error output.
     #[arg(long, help_heading = "Device")]
     pub validate: bool,
 }

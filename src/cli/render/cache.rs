@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Where records are kept.
 #[derive(Args, Clone, Debug)]
 pub struct CacheArgs {
-    /// Keep records in FILE: those that it holds are used, and new ones are added to it
+    /// Use the records that FILE holds, and add new ones to it
     ///
     /// A run that needs no new record gives the same bits as the one that wrote the file. Records are of one scene, its lights and the
     /// settings of the irradiance cache: a file of others, or a damaged one, is refused. Views and image sizes may differ. The file

@@ -4,7 +4,7 @@ use super::lattices::lattices;
 use super::{CacheStats, IrradianceCache, Viewpoint};
 use crate::methods::Ground;
 use crate::methods::captures::Captures;
-use crate::methods::records::{Records, by_piece, copy, first_of};
+use crate::methods::records::{Records, copy};
 use crate::passes::clamp_records::{Reach, Whose};
 use crate::passes::find_uncovered::Lattice;
 use crate::passes::gbuffer::Targets;
@@ -229,8 +229,8 @@ impl<'a> Filling<'a> {
             Ok(())
         })?;
         recording.pass("splat", |c| {
-            for (piece, part) in by_piece(range) {
-                cache.splat.record(c, view, &bound.splat[piece], part, first_of(piece));
+            for (piece, part) in self.store.by_piece(range) {
+                cache.splat.record(c, view, &bound.splat[piece], part, self.store.first_of(piece));
             }
             Ok(())
         })

@@ -1,6 +1,6 @@
 //! Records off the device: all that a store holds, to be put into another one.
 
-use super::{PIECE, Records, Shape, by_piece};
+use super::{Records, Shape};
 use crate::vk::gpu_types::{Entry, Kept, KeptPayload};
 use crate::vk::{Buffer, Commands, Device, Memory, Result};
 use bytemuck::Pod;
@@ -83,11 +83,11 @@ impl Records {
         let mut stored = Stored::none(self.shape);
         let entries: Vec<Entry> = read(&self.device, &self.index.entries, self.count as usize)?;
         let payloads = self.shape.payloads as usize;
-        for (piece, range) in by_piece(0..self.count) {
+        for (piece, range) in self.by_piece(0..self.count) {
             let (buffers, count) = (&self.pieces[piece], range.len());
             let kept: Vec<Kept> = read(&self.device, &buffers.records, count)?;
             let carried: Vec<KeptPayload> = read(&self.device, &buffers.payloads, count * payloads)?;
-            let entries = &entries[piece * PIECE as usize..];
+            let entries = &entries[self.first_of(piece) as usize..];
             for ((kept, entry), carried) in kept.iter().zip(entries).zip(carried.chunks(payloads)) {
                 stored.push(kept, entry, carried);
             }
@@ -107,8 +107,8 @@ impl Records {
         self.reserve(count)?;
         let mut entries = Vec::with_capacity(count as usize);
         let horizon = self.shape.horizon_bytes();
-        for (piece, range) in by_piece(0..count) {
-            let first = piece as u32 * PIECE;
+        for (piece, range) in self.by_piece(0..count) {
+            let first = self.first_of(piece);
             let (mut kept, mut payloads) = (Vec::new(), Vec::new());
             for number in first..first + range.len() as u32 {
                 let (record, entry, carried) = stored.record(number);
