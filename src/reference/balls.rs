@@ -80,7 +80,7 @@ fn rectangle(view: &View, ball: &Ball) -> Option<[RangeInclusive<usize>; 2]> {
     let size = glam::DVec2::new(f64::from(view.width), f64::from(view.height));
     let is_seen = high.cmpge(glam::DVec2::ZERO).all() && low.cmplt(size).all();
     let (low, high) = (low.clamp(glam::DVec2::ZERO, size - 1.0), high.clamp(glam::DVec2::ZERO, size - 1.0));
-    is_seen.then(|| [low.x as usize..=high.x as usize, low.y as usize..=high.y as usize])
+    is_seen.then_some([low.x as usize..=high.x as usize, low.y as usize..=high.y as usize])
 }
 
 /// Distance along a ray to a ball.
@@ -89,7 +89,7 @@ fn meets(ball: &Ball, origin: DVec3, direction: DVec3) -> Option<f64> {
     let along = offset.dot(direction);
     let beside = (offset - along * direction).length_squared();
     let half = (ball.radius * ball.radius - beside).max(0.0).sqrt();
-    (half > 0.0 && along > half).then(|| along - half)
+    (half > 0.0 && along > half).then_some(along - half)
 }
 
 /// Radiance of a white surface with the unit normal `n`.
