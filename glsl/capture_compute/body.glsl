@@ -48,6 +48,7 @@ layout(push_constant) uniform Push {
     uint dims[3];
     float near;
     float voxel;
+    float nearest;  // of what is told apart, from within the scene
 } push;
 
 #include "inc/cells.glsl"

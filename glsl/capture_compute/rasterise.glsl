@@ -39,12 +39,10 @@ bool sees_on_disc(vec3 middle, vec3 extent) {
     return !(sine < 1.0) || (middle.z + extent.z > 0.0 && !is_empty(texels_within(0, least, most)));
 }
 
-const float NEAREST = 1.0 / float(1 << 18);  // relative to the scene's radius
-
 // All that may be seen from a point, but from within the scene no nearer than what records are lifted by.
 Depths depths_from(vec3 eye) {
     float away = distance(eye, push.sphere.xyz), radius = push.sphere.w;
-    float nearest = max(0.5 * (away - radius), radius * NEAREST), farthest = 1.001 * (away + radius);
+    float nearest = max(0.5 * (away - radius), push.nearest), farthest = 1.001 * (away + radius);
     return Depths(nearest, float((1u << DEPTH_BITS) - 1) / float(floatBitsToUint(farthest) - floatBitsToUint(nearest)));
 }
 

@@ -19,14 +19,14 @@ float versine(vec3 d, float distance2, vec3 axis) {
     return cosine > 0.0 ? dot(across, across) / (max(distance2, 1e-30) * (1.0 + cosine)) : 1.0 - cosine;
 }
 
-// Whether a directional light's sample is the one whose shadow view is for p: in a shell about a centre, or anywhere.
-bool is_in_cascade(LightSample light, vec3 p) {
-    float away = distance(p, light.position.xyz);
-    return away >= light.direction.w && (light.position.w == 0.0 || away < light.position.w);
+// Whether a sample's shadow view is for p: in a shell about a centre, or anywhere.
+bool is_in_shell(LightSample light, vec3 p, vec3 centre) {
+    float away = distance(p, centre);
+    return away >= light.shell.x && (light.shell.y == 0.0 || away < light.shell.y);
 }
 
 Arriving light_arriving(LightSample light, vec3 p) {
-    if (LIGHT_KIND == LIGHT_DIRECTIONAL) return Arriving(-light.direction.xyz, is_in_cascade(light, p) ? light.power.rgb : vec3(0.0));
+    if (LIGHT_KIND == LIGHT_DIRECTIONAL) return Arriving(-light.direction.xyz, light.power.rgb);
     if (LIGHT_KIND == LIGHT_AREA) return light_from_disc(light, p, light.power.rgb);
     vec3 d = light.position.xyz - p;
     float distance2 = dot(d, d);

@@ -60,12 +60,12 @@ ShadowPlace shadow_place(uint tile, vec3 p, vec3 n) {
     float unit = SHADOW_PARALLEL ? frame.normal.w : frame.origin.w;
     float facing = SHADOW_PARALLEL ? nf.z : dot(nf, f);
     facing = abs(facing) > 1e-20 ? facing : 1e-20;
-    s.here = SHADOW_PARALLEL ? 1.0 - f.z * unit : unit / f.z;
+    s.here = SHADOW_PARALLEL ? -f.z * unit : unit / f.z;
     s.step_ = nf.xy * (unit / facing) * vec2(2.0, -2.0) / (float(SHADOW_SIZE) * scale);
     s.plane = s.here - dot(s.step_, s.texel);
     // Of what a far light sees, the depths differ by a small share of the distance.
     float depths = SHADOW_PARALLEL ? 1.0 : frame.normal.w * s.here, least = SHADOW_PARALLEL ? 0.0 : SHADOW_LEAST * s.here;
-    s.grain = max(SHADOW_GRAIN * (SHADOW_PARALLEL ? 0.1 : depths), least);
+    s.grain = max(SHADOW_GRAIN * (SHADOW_PARALLEL ? min(0.1, 0.2 * unit / frame.tangent.w) : depths), least);
     s.slack = max(SHADOW_SLACK * (SHADOW_PARALLEL ? 0.25 * unit / frame.tangent.w : depths), least);
     s.furthest = s.here + (SHADOW_PARALLEL ? 16.0 * unit / (frame.tangent.w * float(SHADOW_SIZE)) : depths);
     s.toward = SHADOW_PARALLEL ? -frame.normal.xyz : frame.origin.xyz - p;

@@ -45,7 +45,7 @@ bool is_above(Frame frame, vec3 direction) {
 vec4 project(uint views, uint view, Frame frame, vec3 p) {
     vec3 l = to_local(frame, p - frame.origin.xyz);
     if (views == VIEWS_ORTHOGRAPHIC)
-        return vec4(l.x * frame.tangent.w, -l.y * frame.bitangent.w, 1.0 - l.z * frame.normal.w, 1.0);
+        return vec4(l.x * frame.tangent.w, -l.y * frame.bitangent.w, -l.z * frame.normal.w, 1.0);
     // The direction's xy by way of the division by w. A point between two vertices is not where their chord has it, but
     // straight sides stay shared, and w is never less than the distance: nothing leaves the disc, and what is clipped at
     // the horizon keeps its azimuth.

@@ -24,10 +24,11 @@ layout(set = 0, binding = 5) uniform texture2D gbuffer_position;
 layout(set = 0, binding = 6) uniform utexture2D gbuffer_normals;
 layout(set = 0, binding = 7, rgba32f) uniform image2D direct;
 layout(set = 0, binding = 8, std430) readonly buffer Faces { EmitterFace faces[]; };
-layout(push_constant) uniform Push { uint width; uint height; uint count; float lift; } push;  // count: of faces or samples
+layout(push_constant) uniform Push { uint width; uint height; uint count; float lift; vec4 core; } push;  // count: of faces or samples
 
 #include "inc/light.glsl"
 #include "inc/polygon.glsl"
+#include "inc/lift.glsl"
 #include "inc/shadow.glsl"
 
 struct Receiver { vec3 position; vec3 normal; vec3 geometric; };
@@ -36,6 +37,7 @@ struct Receiver { vec3 position; vec3 normal; vec3 geometric; };
 struct Unshadowed { vec3 irradiance; float unit; };
 
 Unshadowed sample_light(uint l, Receiver at) {
+    if (!is_in_shell(lights[l], at.position, push.core.xyz)) return Unshadowed(vec3(0.0), 0.0);
     // Power is radiance times area, and the area π times the disc's radius squared.
     float area = HAS_FACES != 0 ? PI * lights[l].position.w : 1.0;
     Arriving light = HAS_FACES != 0 ? light_from_disc(lights[l], at.position, vec3(area))
@@ -52,7 +54,7 @@ float near[32];
 // In a penumbra each sample stands for a disc of the emitter, of which the receiver sees a share: without it the shadow's edge
 // would be as many steps as there are samples. `lit`, `dark`: what the samples' middles are, a bit each.
 vec3 penumbra_light(uint first, uint lit, uint dark, Receiver at) {
-    vec3 lifted = at.position + at.geometric * push.lift, sum = vec3(0.0);
+    vec3 lifted = at.position + at.geometric * lift_at(at.position, push.core, push.lift), sum = vec3(0.0);
     float mean = 0.0;
     for (uint rest = dark; rest != 0; rest &= rest - 1) mean += near[findLSB(rest)] / float(bitCount(dark));
     for (uint rest = lit | dark; rest != 0; rest &= rest - 1) {
@@ -69,7 +71,7 @@ vec3 penumbra_light(uint first, uint lit, uint dark, Receiver at) {
 
 // Sum over the samples from `first` to `end`; `open`: over samples of radiance 1 without shadows.
 vec3 samples_light(uint first, uint end, Receiver at, out float open) {
-    vec3 lifted = at.position + at.geometric * push.lift, sum = vec3(0.0);
+    vec3 lifted = at.position + at.geometric * lift_at(at.position, push.core, push.lift), sum = vec3(0.0);
     open = 0.0;
     for (; first < end; first += 32) {
         uint close = 0, lit = 0, dark = 0, count = min(32, end - first);

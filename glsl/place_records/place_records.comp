@@ -5,6 +5,7 @@
 #include "shared/types.glsl"
 #include "inc/oct.glsl"
 #include "inc/hash.glsl"
+#include "inc/lift.glsl"
 layout(local_size_x = 64) in;
 
 layout(set = 0, binding = 0) uniform texture2D gbuffer_position;
@@ -18,9 +19,10 @@ layout(push_constant) uniform Push {
     uint width;
     uint seed;
     float near;
-    float lift;        // how far a capture's origin stands off its surface
+    float lift;        // how far a capture's origin stands off its surface, as `lift_at`
     float scale;       // of a capture's axes
     float grain;       // edge of the cubes of space that have one turn each
+    vec4 core;
 } push;
 
 // Cosine and sine of so many whole turns, by their series within an eighth of one (errors below 4e-7): Vulkan lets a device's own be
@@ -54,7 +56,7 @@ void main() {
     float s = n.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (s + n.z), b = n.x * n.y * a;  // Duff et al. 2017
     vec3 t0 = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), b0 = vec3(b, s + n.y * n.y * a, -n.y);
     vec3 t = turn.x * t0 + turn.y * b0;
-    vec3 origin = p + ng * push.lift;
+    vec3 origin = p + ng * lift_at(p, push.core, push.lift);
 
     Frame frame;
     frame.origin = vec4(origin, push.near);

@@ -4,7 +4,7 @@ const float PI = 3.14159265358979;
 
 // A place to look from: an orthonormal frame, the near distance and the plane below which nothing is seen.
 struct Frame {
-    vec4 origin;     // xyz; w: near distance
+    vec4 origin;     // xyz, of an orthographic view at its far end; w: near distance
     vec4 tangent;    // xyz; w: 1/tan(half aperture), 1/half width for an orthographic view
     vec4 bitangent;  // xyz; w: the same along the other axis
     vec4 normal;     // xyz: axis; w: 1/depth range of an orthographic view; of a perspective one the share of its depth that matters
@@ -47,9 +47,10 @@ struct KeptPayload {
 
 // One sample of a light: a punctual light, or a point on an emissive triangle.
 struct LightSample {
-    vec4 position;   // xyz; w: disc radius² of an area sample (its area / π), or outer radius of a cascade about xyz
-    vec4 direction;  // axis: where a directional light goes, a spot points, an emitter faces; w: 1 − cos of a spot's outer angle, or inner radius of a cascade
+    vec4 position;   // xyz; w: disc radius² of an area sample (its area / π)
+    vec4 direction;  // axis: where a directional light goes, a spot points, an emitter faces; w: 1 − cos of a spot's outer angle
     vec4 power;      // irradiance (directional), intensity (point, spot), radiance × area (area sample); w: 1/(cos inner − cos outer)
+    vec4 shell;      // about the scene's core, for which its shadow view is: inner and outer radius, 0 where there is no end; 0, 0
 };
 
 // An emissive triangle, counter-clockwise seen from where it shines, and its samples in the batch.

@@ -38,11 +38,13 @@ layout(push_constant) uniform Push {
     uint points;       // points in a cell for each light sample
     float lift;
     uint stride;       // of pairs of a light sample and a point a cell takes one in so many, from a place of its own on
+    vec4 core;
 } push;
 
 #include "inc/cells.glsl"
 #include "inc/triangles.glsl"
 #include "inc/light.glsl"
+#include "inc/lift.glsl"
 #include "inc/shadow.glsl"
 
 // Captures see masked materials where they are present, so that only such points count: this many are tried for a pair.
@@ -111,9 +113,10 @@ Sample sample_at(uint index, Corners t, uint r, uint cell, uint first, uint n) {
     vec3 p = t.p0 + s.uv.x * t.e1 + s.uv.y * t.e2;
     Arriving light = light_arriving(lights[s.light], p);
     s.side = dot(t.geometric, light.direction);
-    s.lifted = p + t.geometric * (s.side >= 0.0 ? push.lift : -push.lift);
+    float lift = lift_at(p, push.core, push.lift);
+    s.lifted = p + t.geometric * (s.side >= 0.0 ? lift : -lift);
     s.direction = light.direction;
-    s.irradiance = light.irradiance;
+    s.irradiance = is_in_shell(lights[s.light], p, push.core.xyz) ? light.irradiance : vec3(0.0);
     return s;
 }
 

@@ -1,5 +1,7 @@
 //! `hemicube info`: the devices of this machine, or what a scene needs.
 
+mod json;
+
 use super::common::SceneArgs;
 use super::say::say;
 use anyhow::Result;
@@ -10,6 +12,7 @@ use hemicube::renderer::{Plan, Settings, check_memory, largest_of, memory_needs}
 use hemicube::scene::{Camera, Lens, Scene};
 use hemicube::vk::{Device, DeviceChoice, Instance, REQUIREMENTS};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 /// Show the devices and their limits, or what a scene needs and what is left out
 ///
@@ -23,6 +26,9 @@ pub struct InfoArgs {
     /// Measure what each device does at most, by the renderer's own passes: triangles, blended fragments, texels
     #[arg(long, conflicts_with = "scene")]
     measure: bool,
+    /// Print the same as JSON, for programs: angles in degrees, sizes in bytes, rates in a second
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs the subcommand.
@@ -30,11 +36,27 @@ pub fn run(args: &InfoArgs) -> Result<ExitCode> {
     if args.scene.scene.is_some() {
         let scene = args.scene.load()?;
         let (_, note) = args.scene.camera(&scene)?;
-        describe(&scene, note.as_deref());
+        if args.json {
+            print(&json::scene(&scene, first_device().as_deref()))?;
+        } else {
+            describe(&scene, note.as_deref());
+        }
+    } else if args.json {
+        print(&json::devices(args.measure)?)?;
     } else {
         devices(args.measure)?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn print(value: &serde_json::Value) -> Result<()> {
+    say!("{}", serde_json::to_string_pretty(value)?);
+    Ok(())
+}
+
+/// Without a device there is still much to say.
+fn first_device() -> Option<Arc<Device>> {
+    Instance::new(false).and_then(|instance| Device::new(instance, &DeviceChoice::Best)).ok()
 }
 
 fn describe(scene: &Scene, note: Option<&str>) {
@@ -55,8 +77,7 @@ fn describe(scene: &Scene, note: Option<&str>) {
     note.into_iter().for_each(|note| say!("note       {note}"));
     scene.notes.iter().for_each(|note| say!("note       {note}"));
     let settings = Settings::default();
-    // Without a device there is still much to say.
-    let device = Instance::new(false).and_then(|instance| Device::new(instance, &DeviceChoice::Best)).ok();
+    let device = first_device();
     let plan = Plan::of(scene, &settings, device.as_deref());
     if let Some(device) = &device {
         let size = SurfaceSize::about(scene, &plan.surface_cells, plan.detail());

@@ -15,6 +15,11 @@ const SMALLEST: f32 = 1.0 / (1 << 20) as f32;
 /// the boxes in them.
 const WHOLE: f32 = 7.0;
 
+/// Share of the cells that are even.
+const EVEN: f64 = 0.5;
+/// The same where a core has foci.
+const EVEN_AROUND_CORE: f64 = 0.125;
+
 /// A place near which cells are finer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Focus {
@@ -26,11 +31,13 @@ pub struct Focus {
     pub share: f32,
     /// Sides of triangles that are no longer than this need not be cut for it.
     pub whole: f32,
+    /// In the core of a far larger scene: cells grow faster with the distance, or most of them would lie beyond.
+    pub in_core: bool,
 }
 
 /// Cells to an area.
 ///
-/// Half of the cells are all of one area. The others become smaller with the distance from the foci, as areas of one solid angle
+/// Half of the cells are all of one area (an eighth around the core of a far larger scene). The others become smaller with the distance from the foci, as areas of one solid angle
 /// do that are looked at from there. So none grows to more than twice the even area.
 #[derive(Clone, Debug)]
 pub struct Density {
@@ -43,7 +50,7 @@ pub struct Density {
 impl Focus {
     /// A camera that looks at a surface whose bounding box is `2 radius` across.
     pub fn camera(position: Vec3, radius: f32) -> Self {
-        Self { position, nearest: radius * NEAREST, share: 1.0, whole: radius * NEAREST }
+        Self { position, nearest: radius * NEAREST, share: 1.0, whole: radius * NEAREST, in_core: false }
     }
 
     /// Where a surface has small triangles, at most `MOST_PLACES` places; together they have a share of 1.
@@ -58,7 +65,8 @@ impl Focus {
             let cubes = cubes(&sized, finest);
             if cubes.len() <= MOST_PLACES {
                 let share = 1.0 / cubes.len() as f32;
-                let place = |(size, position)| Self { position, nearest: size, share, whole: WHOLE * size };
+                let place =
+                    |(size, position)| Self { position, nearest: size, share, whole: WHOLE * size, in_core: false };
                 return cubes.into_iter().map(place).collect();
             }
             finest += 1;
@@ -68,6 +76,13 @@ impl Focus {
     /// Square of the distance at which the focus counts.
     fn distance_squared(&self, distance: f32) -> f32 {
         distance * distance + self.nearest * self.nearest
+    }
+
+    /// Cells to a unit of area beside those at distance 1 from other foci, `away` from here: as areas of one solid angle, or of one
+    /// form factor of a plane that passes at `nearest`.
+    fn density(&self, away: f32) -> f64 {
+        let squared = f64::from(self.distance_squared(away));
+        if self.in_core { f64::from(self.nearest) * squared.powf(-1.5) } else { squared.recip() }
     }
 
     /// How long a side of a triangle may be whose middle is there: as long as it is away.
@@ -108,7 +123,7 @@ impl Density {
             area += own;
             let (middle, reach) = centre_and_reach(&corners);
             for (angle, focus) in angles.iter_mut().zip(foci) {
-                *angle += own / distance_squared(middle, reach, focus);
+                *angle += own * density(middle, reach, focus);
             }
         }
         let cells = f64::from(cells.max(1));
@@ -116,16 +131,17 @@ impl Density {
         if foci.is_empty() {
             return Self { even: ratio(cells, area), foci: Vec::new() };
         }
-        let half = cells * 0.5;
+        let even = cells * if foci.iter().any(|focus| focus.in_core) { EVEN_AROUND_CORE } else { EVEN };
         let shares: f64 = foci.iter().map(|focus| f64::from(focus.share)).sum();
-        let near = |(angle, focus): (&f64, &Focus)| (*focus, ratio(half * f64::from(focus.share) / shares, *angle));
-        Self { even: ratio(half, area), foci: angles.iter().zip(foci).map(near).collect() }
+        let near =
+            |(angle, focus): (&f64, &Focus)| (*focus, ratio((cells - even) * f64::from(focus.share) / shares, *angle));
+        Self { even: ratio(even, area), foci: angles.iter().zip(foci).map(near).collect() }
     }
 
     /// Parts that the sides of a triangle are cut into, so that its r² cells are as dense; but none smaller than `least`.
     pub fn resolution(&self, corners: &[Vec3; 3], least: f64) -> u32 {
         let (middle, reach) = centre_and_reach(corners);
-        let near: f64 = self.foci.iter().map(|(focus, near)| near / distance_squared(middle, reach, focus)).sum();
+        let near: f64 = self.foci.iter().map(|(focus, near)| near * density(middle, reach, focus)).sum();
         let cell = (1.0 / (self.even + near)).max(least);
         (area_of(corners) / cell).sqrt().round().clamp(1.0, 1024.0) as u32
     }
@@ -140,7 +156,7 @@ impl Density {
         for (focus, near) in &self.foci {
             let nearest = corners.iter().map(|p| p.distance(focus.position)).fold(f32::INFINITY, f32::min);
             let away = focus.distance_squared(nearest);
-            dense += near / f64::from(away);
+            dense += near * focus.density(nearest);
             if dense > most || longest > away {
                 return false;
             }
@@ -153,10 +169,10 @@ fn area_of([a, b, c]: &[Vec3; 3]) -> f64 {
     f64::from((*b - *a).cross(*c - *a).length()) * 0.5
 }
 
-/// Of a triangle from a focus, squared: halfway between the distance of its middle and the least that a point of it may have.
-fn distance_squared(middle: Vec3, reach: f32, focus: &Focus) -> f64 {
+/// That of a triangle by a focus, halfway between the distance of its middle and the least that a point of it may have.
+fn density(middle: Vec3, reach: f32, focus: &Focus) -> f64 {
     let distance = middle.distance(focus.position);
-    f64::from(focus.distance_squared(0.5 * (distance + (distance - reach).max(0.0))))
+    focus.density(0.5 * (distance + (distance - reach).max(0.0)))
 }
 
 #[cfg(test)]

@@ -97,6 +97,8 @@ pub struct Surface<'a> {
     pub first_cell: &'a [u32],
     /// How densely it is cut into cells.
     pub density: &'a Density,
+    /// Radius of its core, beside which errors count.
+    pub radius: f32,
 }
 
 /// Numbers from which coarse things are counted: more than the surface's, which others may follow.

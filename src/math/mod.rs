@@ -3,6 +3,7 @@
 pub mod adjacency;
 pub mod capture;
 pub mod cells;
+pub mod core;
 pub mod density;
 pub mod deringing;
 pub mod form_factor;

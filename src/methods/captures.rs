@@ -21,14 +21,15 @@ use std::sync::Arc;
 
 /// Usual aperture of a plane, in degrees: its half width is 2 at distance 1.
 pub const PLANE_APERTURE: f64 = 126.87;
-/// How far a capture stands off its surface, relative to the scene's size: a few units in the last place of positions.
+/// How far a capture stands off its surface, relative to the size of what is near (`math::core`): a few units in the last place
+/// of positions.
 pub const LIFT: f32 = 4e-6;
 /// Near distance of captures, relative to the scene's size. Reversed depth near/distance keeps its relative precision
 /// wherever the near plane is: at 2⁻⁴⁰, far below the last place of any position, no corner of a wall beside a record is
 /// cut off.
 pub const NEAR: f32 = 1.0 / (1_u64 << 40) as f32;
 
-/// Edge of the cubes of space in which captures have one turn each, relative to the scene's size: far above the rounding
+/// Edge of the cubes of space in which captures have one turn each, relative to the radius of the scene's core: far above the rounding
 /// of positions, far below the distance of records.
 pub const GRAIN: f32 = 1.0 / (1 << 17) as f32;
 

@@ -66,8 +66,12 @@ pub struct CoarseSurface {
 }
 
 impl CoarseSurface {
-    /// That of `ground`, if it has few enough triangles to be worth it.
+    /// That of `ground`, if it has few enough triangles to be worth it, and no core: by what lies far away its error would be too large
+    /// there.
     pub fn new(device: &Arc<Device>, ground: &Ground<'_>) -> Result<Option<Self>> {
+        if ground.geometry.core.is_apart {
+            return Ok(None);
+        }
         let error = error(ground);
         let scene = coarse(ground.scene, error);
         if scene.triangles.len() as f32 > WORTH * ground.scene.triangles.len() as f32 {

@@ -3,10 +3,11 @@
 use super::Ground;
 use super::casters::Casters;
 use super::light_set::{Face, LightSet};
+use crate::math::core::Core;
 use crate::passes::capture::{Capture, CaptureDesc, FramesBy, pays_to_cull};
 use crate::passes::gbuffer::Targets;
 use crate::passes::pixel_light::PixelLight;
-use crate::passes::shadow::Shadow;
+use crate::passes::shadow::{Lift, Shadow};
 use crate::passes::surface_light::{Batch, SurfaceLight};
 use crate::scene::Scene;
 use crate::vk::gpu_types::{EmitterFace, LightSample};
@@ -18,6 +19,8 @@ use std::sync::Arc;
 const SHADOW_BUDGET: u64 = 128 << 20;
 /// Fewest points of a cell that a light is evaluated at, over all its samples.
 const POINTS_IN_CELL: u32 = 8;
+/// How far receivers stand off their surface, relative to the size of what is near.
+const LIFT: f32 = 1e-6;
 
 /// Passes for one set of lights.
 pub struct DirectLight {
@@ -28,7 +31,7 @@ pub struct DirectLight {
     faces: Option<Buffer>,
     sampler: Sampler,
     surface: Option<SurfaceLight>,
-    lift: f32,
+    lift: Lift,
 }
 
 impl DirectLight {
@@ -62,7 +65,8 @@ impl DirectLight {
         let has_faces = pixels && !set.cells_only && !set.faces.is_empty();
         let faces = has_faces.then(|| Buffer::new(device, "light samples", bytes, Memory::Device)).transpose()?;
         let sampler = Sampler::new(device, [ash::vk::SamplerAddressMode::CLAMP_TO_EDGE; 2], true)?;
-        let lift = (ground.geometry.radius * 1e-6).max(casters.lift());
+        let Core { radius, .. } = ground.geometry.core;
+        let lift = Lift { ball: ground.geometry.core.to_array(), share: LIFT.max(casters.lift() / radius) };
         let mut light = Self { set, casters: casters.clone(), shadow, lights, faces, sampler, surface: None, lift };
         let Ground { scene, geometry, textures } = *ground;
         let shadows = light.shadows(from.scene);

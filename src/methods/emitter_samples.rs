@@ -1,7 +1,7 @@
 //! Emissive triangles as samples: where their shadows are looked from, and which samples belong to which triangle.
 
-use super::far_view::Receivers;
-use super::light_set::{Extent, Face, LightSet, NEAR, frame, with};
+use super::far_view::{FarViews, Seen};
+use super::light_set::{Extent, Face, LightSet, for_shell, frame, with};
 use crate::math::sequence::triangle_point;
 use crate::scene::emission::piece_corners;
 use crate::scene::{Emitter, Scene};
@@ -31,7 +31,6 @@ struct Side {
     emitter: Emitter,
     back: bool,
     power: f64,
-    far: bool,
 }
 
 /// Cuts the emitters into about `count` samples.
@@ -39,7 +38,7 @@ struct Side {
 /// Each side that shines has its share by power, and one at least; within a triangle of one radiance they follow the triangular
 /// van der Corput sequence, within others they are where its texels shine. Above [`MOST_FACES`] sides, samples step through the
 /// cumulated power instead (systematic sampling), in an order in which neighbours in place follow each other.
-pub(super) fn add_emitters(scene: &Scene, extent: Extent, receivers: &Receivers, count: u32, sets: &mut EmitterSets) {
+pub(super) fn add_emitters(scene: &Scene, extent: Extent, views: &FarViews, count: u32, sets: &mut EmitterSets) {
     let emitters = scene.emitters();
     let varying = emitters.iter().filter(|e| scene.emission_varies(e.triangle)).count() as u64;
     let level = (MOST_PIECES / varying.max(1)).max(1).ilog2() / 2;
@@ -51,44 +50,40 @@ pub(super) fn add_emitters(scene: &Scene, extent: Extent, receivers: &Receivers,
         if let Some(pieces) = &pieces {
             emitter.radiance = pieces.iter().sum::<Vec3>() / pieces.len() as f32;
         }
-        let corners = scene.corners(emitter.triangle);
-        let far = corners.iter().all(|corner| receivers.is_far(*corner));
         let power = f64::from(emitter.radiance.max_element() * emitter.area);
         let backs = if emitter.double_sided { 0..2 } else { 0..1 };
         if power > 0.0 {
-            sides.extend(backs.map(|back| Side { emitter, back: back == 1, power, far }));
+            sides.extend(backs.map(|back| Side { emitter, back: back == 1, power }));
         }
     }
     let total: f64 = sides.iter().map(|side| side.power).sum();
     if total <= 0.0 {
         return;
     }
-    let place = Placing { scene, extent, receivers };
+    let place = Placing { scene, extent, views };
     if many {
         let count = count.max(MOST_SHARED.min(sides.len() as u32));
         return place.add_by_power(count, (sides, total), sets);
     }
     for side in &sides {
         let own = (f64::from(count) * side.power / total).round().max(1.0) as u32;
-        let (even, uneven) = sets.of(side.far);
-        if scene.emission_varies(side.emitter.triangle) {
-            place.add_pieces(side, own, level, uneven);
-            continue;
+        for seen in views.seen(&scene.corners(side.emitter.triangle)) {
+            let (even, uneven) = sets.of(seen);
+            if scene.emission_varies(side.emitter.triangle) {
+                place.add_pieces((side, seen), own, level, uneven);
+            } else {
+                place.add_face((side, seen), own, even);
+            }
         }
-        let first = even.samples.len() as u32;
-        for index in 0..own {
-            let at = triangle_point(index);
-            place.add(side, at, side.emitter.radiance, side.emitter.area / own as f32, even);
-        }
-        let [a, b, c] = scene.corners(side.emitter.triangle);
-        let corners = if side.back { [a, c, b] } else { [a, b, c] };
-        even.faces.push(Face { corners, samples: first..first + own });
     }
 }
 
 impl EmitterSets {
-    fn of(&mut self, far: bool) -> (&mut LightSet, &mut LightSet) {
-        if far { (&mut self.far_even, &mut self.far_uneven) } else { (&mut self.even, &mut self.uneven) }
+    fn of(&mut self, seen: Seen<'_>) -> (&mut LightSet, &mut LightSet) {
+        match seen {
+            Seen::Towards(_) => (&mut self.far_even, &mut self.far_uneven),
+            Seen::Around(_) => (&mut self.even, &mut self.uneven),
+        }
     }
 }
 
@@ -100,7 +95,7 @@ fn pieces(scene: &Scene, emitter: &Emitter, most: u32) -> Vec<Vec3> {
 struct Placing<'a> {
     scene: &'a Scene,
     extent: Extent,
-    receivers: &'a Receivers,
+    views: &'a FarViews,
 }
 
 impl Placing<'_> {
@@ -124,18 +119,30 @@ impl Placing<'_> {
             let side = &sides[at];
             // Area that the sample stands for: 1/(count · pdf), pdf = (power/total)/area.
             let area = (total / (f64::from(count) * side.power)) as f32 * side.emitter.area;
-            let uneven = sets.of(side.far).1;
-            self.add(side, triangle_point(taken), side.emitter.radiance, area, uneven);
-            // Its disc is the triangle's own: a larger one would dim what is near.
-            if let Some(sample) = uneven.samples.last_mut() {
-                sample.position[3] = sample.position[3].min(side.emitter.area / PI);
+            for seen in self.views.seen(&self.scene.corners(side.emitter.triangle)) {
+                let uneven = sets.of(seen).1;
+                self.add((side, seen), triangle_point(taken), side.emitter.radiance, area, uneven);
+                // Its disc is the triangle's own: a larger one would dim what is near.
+                if let Some(sample) = uneven.samples.last_mut() {
+                    sample.position[3] = sample.position[3].min(side.emitter.area / PI);
+                }
             }
             taken += 1;
         }
     }
 
+    /// Adds `own` samples of a triangle that shines alike all over, as a face.
+    fn add_face(&self, (side, seen): (&Side, Seen<'_>), own: u32, set: &mut LightSet) {
+        let first = set.samples.len() as u32;
+        let Emitter { triangle, radiance, area, .. } = side.emitter;
+        (0..own).for_each(|index| self.add((side, seen), triangle_point(index), radiance, area / own as f32, set));
+        let [a, b, c] = self.scene.corners(triangle);
+        let corners = if side.back { [a, c, b] } else { [a, b, c] };
+        set.faces.push(Face { corners, samples: first..first + own });
+    }
+
     /// Adds `own` samples where the pieces of a triangle shine, each as bright as the others; their colours sum to the whole.
-    fn add_pieces(&self, side: &Side, own: u32, most: u32, set: &mut LightSet) {
+    fn add_pieces(&self, (side, seen): (&Side, Seen<'_>), own: u32, most: u32, set: &mut LightSet) {
         let triangle = side.emitter.triangle;
         let level = self.scene.emission_level(triangle, most);
         let pieces = self.scene.emission_of_pieces(triangle, level);
@@ -158,25 +165,28 @@ impl Placing<'_> {
         for i in chosen {
             let centre = piece_corners(i as u32, level).iter().sum::<glam::DVec3>() / 3.0;
             let at = Vec2::new(centre.y as f32, centre.z as f32);
-            self.add(side, at, pieces[i] * share, area(pieces[i]), set);
+            self.add((side, seen), at, pieces[i] * share, area(pieces[i]), set);
         }
     }
 
     /// Adds a sample of that radiance which stands for `area`.
-    fn add(&self, side: &Side, at: Vec2, radiance: Vec3, area: f32, set: &mut LightSet) {
+    fn add(&self, (side, seen): (&Side, Seen<'_>), at: Vec2, radiance: Vec3, area: f32, set: &mut LightSet) {
         let point = self.scene.surface(side.emitter.triangle, at);
         let normal = if side.back { -point.geometric_normal } else { point.geometric_normal };
-        let near = self.extent.radius * NEAR;
+        let near = self.extent.near(point.position);
         let origin = point.position + normal * near;
-        let mut view =
-            if side.far { self.receivers.view(origin, near) } else { frame(origin, normal, near, set.guard()) };
+        let mut view = match seen {
+            Seen::Towards(receivers) => receivers.view(origin, near),
+            Seen::Around(_) => frame(origin, normal, near, set.guard()),
+        };
         view.horizon = with(normal, -normal.dot(origin));
         let sample = LightSample {
             position: with(point.position, area / PI),
             direction: with(normal, 0.0),
             power: with(radiance * area, 0.0),
+            ..LightSample::default()
         };
-        set.push(view, sample);
+        set.push(view, for_shell(sample, seen));
     }
 }
 

@@ -6,8 +6,8 @@
 
 use super::cascades::Cascades;
 use super::emitter_samples::{EmitterSets, add_emitters};
-use super::far_view::Receivers;
-use super::light_set::{Extent, LightSet, LightSettings, NEAR, frame, with};
+use super::far_view::{FarViews, Seen};
+use super::light_set::{Extent, LightSet, LightSettings, for_shell, frame, with};
 use super::sky::{SKY_SHADOW_SIZE, add_sky, add_suns, sky_stride};
 use crate::passes::shadow::LightKind::{Area, Directional, Point, Spot};
 use crate::passes::views::Views::{Cube, Hemicube, Orthographic, Plane};
@@ -49,8 +49,8 @@ pub fn light_sets(
     let point = size(1024, count(|l| matches!(l, Light::Point { .. })));
     let spot = size(2048, count(|l| matches!(l, Light::Spot { .. })));
     let area = settings.shadow_size;
-    let receivers = Receivers::of(scene, extent);
-    let cascades = Cascades::of(scene, extent);
+    let views = FarViews::of(scene, extent);
+    let cascades = Cascades::of(extent);
     let mut sets = Sets {
         directional: LightSet::empty("directional lights", Directional, Orthographic, directional),
         point: LightSet::empty("point lights", Point, Cube, point),
@@ -61,7 +61,7 @@ pub fn light_sets(
         farthest_spot: LightSet::empty("farthest spot lights", Spot, Orthographic, spot),
     };
     for light in &scene.lights {
-        add_punctual(light, extent, (&receivers, &cascades), &mut sets);
+        add_punctual(light, extent, (&views, &cascades), &mut sets);
     }
     let mut emitters = EmitterSets {
         even: LightSet::empty("emissive triangles", Area, Hemicube, area),
@@ -69,7 +69,7 @@ pub fn light_sets(
         far_even: LightSet::empty("far emissive triangles", Area, Plane, area),
         far_uneven: LightSet::empty("far emissive textures", Area, Plane, area),
     };
-    add_emitters(scene, extent, &receivers, settings.area_samples, &mut emitters);
+    add_emitters(scene, extent, &views, settings.area_samples, &mut emitters);
     let EmitterSets { even, uneven, far_even, far_uneven } = emitters;
     let mut suns = LightSet::empty("suns of the sky", Directional, Orthographic, size(1024, 1));
     add_suns(&scene.background, &cascades, settings.area_samples, &mut suns);
@@ -106,8 +106,7 @@ fn shrink(largest: u32, lights: usize) -> u32 {
     (largest >> halvings as u32).max(256)
 }
 
-fn add_punctual(light: &Light, extent: Extent, (receivers, cascades): (&Receivers, &Cascades), sets: &mut Sets) {
-    let near = extent.radius * NEAR;
+fn add_punctual(light: &Light, extent: Extent, (views, cascades): (&FarViews, &Cascades), sets: &mut Sets) {
     match *light {
         Light::Directional { direction, irradiance } => {
             if irradiance != Vec3::ZERO {
@@ -117,14 +116,7 @@ fn add_punctual(light: &Light, extent: Extent, (receivers, cascades): (&Receiver
         Light::Point { position, intensity } => {
             let sample =
                 LightSample { position: with(position, 0.0), power: with(intensity, 0.0), ..Default::default() };
-            if receivers.is_parallel(position) {
-                sets.farthest_point.push(receivers.parallel_view(position, extent), sample);
-            } else if receivers.is_far(position) {
-                sets.far_point.push(receivers.view(position, near), sample);
-            } else {
-                let scale = sets.point.guard();
-                sets.point.push(frame(position, Vec3::Z, near, scale), sample);
-            }
+            views.seen(&[position]).for_each(|seen| sets.add_point(sample, position, seen, extent));
         }
         Light::Spot { position, direction, intensity, cos_inner, cos_outer } => {
             // 1 − cos by double precision: single precision cannot tell thin cones from none.
@@ -132,18 +124,55 @@ fn add_punctual(light: &Light, extent: Extent, (receivers, cascades): (&Receiver
                 position: with(position, 0.0),
                 direction: with(direction, (1.0 - cos_outer) as f32),
                 power: with(intensity, (1.0 / (cos_inner - cos_outer).max(HARD_EDGE)) as f32),
+                ..Default::default()
             };
-            let tangent = (((1.0 - cos_outer) * (1.0 + cos_outer)).max(0.0).sqrt() / cos_outer.max(1e-3)) as f32;
-            if receivers.is_parallel(position) {
-                sets.farthest_spot.push(receivers.parallel_view(position, extent), sample);
-            } else if receivers.is_far(position) && receivers.tangent(position) < tangent {
-                sets.spot.push(receivers.view(position, near), sample);
-            } else if cos_outer < WIDE {
-                let scale = sets.wide_spot.guard();
-                sets.wide_spot.push(frame(position, direction, near, scale), sample);
-            } else {
+            let cone = Cone { position, direction, cos_outer };
+            views.seen(&[position]).for_each(|seen| sets.add_spot(sample, cone, seen, extent));
+        }
+    }
+}
+
+/// That of a spot.
+#[derive(Clone, Copy)]
+struct Cone {
+    position: Vec3,
+    direction: Vec3,
+    cos_outer: f64,
+}
+
+impl Sets {
+    fn add_point(&mut self, sample: LightSample, position: Vec3, seen: Seen<'_>, extent: Extent) {
+        let (sample, near) = (for_shell(sample, seen), extent.near(position));
+        match seen {
+            Seen::Towards(receivers) if receivers.is_parallel(position) => {
+                self.farthest_point.push(receivers.parallel_view(position, extent), sample);
+            }
+            Seen::Towards(receivers) => self.far_point.push(receivers.view(position, near), sample),
+            Seen::Around(_) => {
+                let scale = self.point.guard();
+                self.point.push(frame(position, Vec3::Z, near, scale), sample);
+            }
+        }
+    }
+
+    fn add_spot(&mut self, sample: LightSample, cone: Cone, seen: Seen<'_>, extent: Extent) {
+        let Cone { position, direction, cos_outer } = cone;
+        let (sample, near) = (for_shell(sample, seen), extent.near(position));
+        let tangent = (((1.0 - cos_outer) * (1.0 + cos_outer)).max(0.0).sqrt() / cos_outer.max(1e-3)) as f32;
+        match seen {
+            Seen::Towards(receivers) if receivers.is_parallel(position) => {
+                self.farthest_spot.push(receivers.parallel_view(position, extent), sample);
+            }
+            Seen::Towards(receivers) if receivers.tangent(position) < tangent => {
+                self.spot.push(receivers.view(position, near), sample);
+            }
+            _ if cos_outer < WIDE => {
+                let scale = self.wide_spot.guard();
+                self.wide_spot.push(frame(position, direction, near, scale), sample);
+            }
+            _ => {
                 let scale = 1.0 / (tangent * 1.02).max(1e-6);
-                sets.spot.push(frame(position, direction, near, scale), sample);
+                self.spot.push(frame(position, direction, near, scale), sample);
             }
         }
     }

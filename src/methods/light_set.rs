@@ -1,5 +1,8 @@
 //! Sets of light samples that are drawn alike, and the frames that their shadows are looked at from.
 
+use super::far_view::Seen;
+use crate::math::core::Core;
+use crate::passes::geometry::Geometry;
 use crate::passes::shadow::LightKind;
 use crate::passes::views::Views;
 use crate::vk::gpu_types::{EmitterFace, Frame, LightSample};
@@ -101,16 +104,30 @@ pub struct Extent {
     pub bounds: [Vec3; 2],
     /// Half its diagonal.
     pub radius: f32,
+    /// What of it lies together.
+    pub core: Core,
 }
 
-/// Relative to the scene's size: nearer than this nothing casts a shadow.
-pub(super) const NEAR: f32 = 1.0 / 65536.0;
+impl Extent {
+    /// That of a surface.
+    pub fn of(geometry: &Geometry) -> Self {
+        Self { bounds: geometry.bounds, radius: geometry.radius, core: geometry.core }
+    }
+
+    /// Near distance of a light at `place`: nearer nothing casts a shadow.
+    pub(super) fn near(&self, place: Vec3) -> f32 {
+        NEAR * self.core.scale_at(place)
+    }
+}
+
+/// Near distance of lights relative to the size of what is near them.
+const NEAR: f32 = 1.0 / 65536.0;
 
 pub(super) fn parallel_sample(direction: Vec3, irradiance: Vec3) -> LightSample {
     LightSample { direction: with(direction, 0.0), power: with(irradiance, 0.0), ..Default::default() }
 }
 
-/// A view along `direction` that holds the whole bounding box.
+/// A view along `direction` that holds the whole bounding box. Its origin is at the far end, where the reversed depth is 0.
 pub(super) fn parallel_frame(direction: Vec3, extent: Extent) -> Frame {
     let (tangent, bitangent) = direction.any_orthonormal_pair();
     // any_orthonormal_pair gives (a, b) with a × b = direction up to sign; the views need t × b = n.
@@ -118,7 +135,7 @@ pub(super) fn parallel_frame(direction: Vec3, extent: Extent) -> Frame {
     let [low, high] = extent.bounds;
     let (centre, half) = ((low + high) * 0.5, (high - low) * 0.5);
     let reach = |axis: Vec3| (axis.abs().dot(half) * 1.001).max(extent.radius * 1e-4);
-    let origin = centre - direction * reach(direction);
+    let origin = centre + direction * reach(direction);
     Frame {
         origin: with(origin, 0.0),
         tangent: with(tangent, 1.0 / reach(tangent)),
@@ -126,6 +143,18 @@ pub(super) fn parallel_frame(direction: Vec3, extent: Extent) -> Frame {
         normal: with(direction, 0.5 / reach(direction)),
         horizon: [0.0, 0.0, 0.0, 1.0],
     }
+}
+
+/// A view along `direction` of a ball, deep enough for all that stands before it. Its far end is the ball's: depths near 0, which
+/// single precision tells apart best, are those in the ball.
+pub(super) fn parallel_view(direction: Vec3, extent: Extent, centre: Vec3, radius: f32) -> Frame {
+    let whole = parallel_frame(direction, extent);
+    let reach = 1.02 * radius;
+    let origin = centre + direction * reach;
+    let front = Vec3::from_slice(&whole.origin[..3]) - direction / whole.normal[3];
+    let depth = (origin - front).dot(direction).max(2.0 * reach);
+    let [tangent, bitangent] = [whole.tangent, whole.bitangent].map(|[x, y, z, _]| [x, y, z, 1.0 / reach]);
+    Frame { origin: with(origin, 0.0), tangent, bitangent, normal: with(direction, 1.0 / depth), ..whole }
 }
 
 pub(super) fn frame(origin: Vec3, axis: Vec3, near: f32, scale: f32) -> Frame {
@@ -137,6 +166,15 @@ pub(super) fn frame(origin: Vec3, axis: Vec3, near: f32, scale: f32) -> Frame {
         normal: with(axis, 1.0),
         horizon: [0.0, 0.0, 0.0, 1.0],
     }
+}
+
+/// The sample with the shell that `seen` is for.
+pub(super) fn for_shell(sample: LightSample, seen: Seen<'_>) -> LightSample {
+    let [inner, outer] = match seen {
+        Seen::Around(shell) => shell,
+        Seen::Towards(receivers) => receivers.shell,
+    };
+    LightSample { shell: [inner, outer, 0.0, 0.0], ..sample }
 }
 
 pub(super) fn with(v: Vec3, w: f32) -> [f32; 4] {

@@ -214,8 +214,8 @@ impl<'a> Probes<'a> {
     }
 
     fn batch(&self, recorder: &mut Recorder, places: &[Place]) -> Result<()> {
-        let radius = self.geometry.radius;
-        let frames: Vec<Frame> = places.iter().map(|place| frame(place, radius, self.captures.scale())).collect();
+        let geometry = &self.geometry;
+        let frames: Vec<Frame> = places.iter().map(|place| frame(place, geometry, self.captures.scale())).collect();
         let records: Vec<Record> = places.iter().map(record).collect();
         self.captures.frames().upload(&frames)?;
         self.records.upload(&records)?;
@@ -266,7 +266,7 @@ pub(super) fn light_surfaces(
             Ok(())
         })
     })?;
-    let extent = Extent { bounds: ground.geometry.bounds, radius: ground.geometry.radius };
+    let extent = Extent::of(ground.geometry);
     let casters = Arc::new(Casters::exact(device, ground)?);
     for set in light_sets(lit_by, extent, settings, !lit_by.background.is_black())? {
         DirectLight::new(device, set, ground, &casters, (true, false))?.run(recorder, ground, (true, None), |_| {})?;
@@ -275,7 +275,7 @@ pub(super) fn light_surfaces(
 }
 
 /// The capture frame of a place; twin of `place_records.comp`.
-pub(super) fn frame(place: &Place, scene_radius: f32, scale: f32) -> Frame {
+pub(super) fn frame(place: &Place, geometry: &Geometry, scale: f32) -> Frame {
     let Place { position, normal: n, geometric, turn } = *place;
     // Duff, Burgess, Christensen, Hery, Kensler, Liani, Villemin 2017: a frame without a branch on the normal.
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -284,9 +284,9 @@ pub(super) fn frame(place: &Place, scene_radius: f32, scale: f32) -> Frame {
     let across = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     let along = Vec3::new(b, sign + n.y * n.y * a, -n.y);
     let tangent = turn.cos() * across + turn.sin() * along;
-    let origin = position + geometric * (scene_radius * LIFT);
+    let origin = position + geometric * (geometry.core.scale_at(position) * LIFT);
     Frame {
-        origin: with(origin, scene_radius * NEAR),
+        origin: with(origin, geometry.radius * NEAR),
         tangent: with(tangent, scale),
         bitangent: with(n.cross(tangent), scale),
         normal: with(n, 1.0),

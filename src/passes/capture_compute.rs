@@ -41,6 +41,8 @@ const MOST_EXACT: u64 = 3 << 16;
 const THREADS: u32 = 64;
 /// Steps of a subgroup along a row of texels, at most (`LONGEST_ROW` of the shader).
 const MOST_STEPS: u32 = 8;
+/// Nearest depth that captures tell apart, relative to the radius of the scene's core: what records are lifted by.
+const NEAREST: f32 = 1.0 / (1 << 18) as f32;
 /// Middles of slices that an invocation passes, at most, before it is left with too few rounds of loops for all else: three
 /// quarters of those that llvmpipe has.
 const MOST_CROSSINGS: u32 = 3 << 14;
@@ -72,6 +74,8 @@ struct Push {
     near: f32,
     /// Longest side of a voxel.
     voxel: f32,
+    /// From within the scene no depths are told apart that are nearer.
+    nearest: f32,
 }
 
 /// How a record looks.
@@ -310,6 +314,7 @@ impl CaptureCompute {
             dims: far.grid.dims.to_array(),
             near: far.near,
             voxel: far.grid.voxel.max_element(),
+            nearest: NEAREST * geometry.core.radius,
         };
         let kinds = gathered.kinds;
         let (threads, code) = match summed {

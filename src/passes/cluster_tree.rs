@@ -84,7 +84,13 @@ impl Arranged {
         let levels = (detail == Detail::Levels).then(|| {
             let (positions, first_cell) = (&scene.positions, &*cells.first);
             let simplified = &triangles[..opaque as usize];
-            let surface = Surface { positions, triangles: simplified, first_cell, density: cells.density };
+            let surface = Surface {
+                positions,
+                triangles: simplified,
+                first_cell,
+                density: cells.density,
+                radius: scene.core().radius,
+            };
             let first = First { triangle: triangles.len() as u32, cell: cells.first[triangles.len()] };
             Levels::new(&surface, first)
         });

@@ -10,6 +10,7 @@ pub use cells::{CellBudget, count as cell_count};
 pub use needs::{Need, SurfaceSize, needs};
 
 use super::cluster_tree::{ClusterTree, Detail};
+use crate::math::core::Core;
 use crate::math::{adjacency, levels};
 use crate::scene::{Part, Scene};
 use crate::vk::{Binding, Buffer, DescriptorSet, Device, Image, ImageDesc, Memory, Result, SetLayout};
@@ -71,6 +72,8 @@ pub struct Geometry {
     pub radius: f32,
     /// Lowest and highest corner of the bounding box.
     pub bounds: [Vec3; 2],
+    /// The ball about what lies together in a far larger scene, or about all of it.
+    pub core: Core,
     /// Set 0 of `glsl/inc/scene.glsl`.
     pub set: DescriptorSet,
     /// Its layout.
@@ -148,6 +151,7 @@ impl Geometry {
             streams,
             radius: if triangles.is_empty() { 1.0 } else { (bounds[1] - bounds[0]).length() * 0.5 },
             bounds,
+            core: scene.core(),
             set,
             set_layout,
             clusters: Buffer::with_data(device, "cluster bounds", &spheres)?,

@@ -2,7 +2,7 @@
 
 use super::gbuffer::Targets;
 use super::groups;
-use super::shadow::Shadow;
+use super::shadow::{Lift, Shadow};
 use crate::vk::{
     Binding, Buffer, Commands, ComputePipeline, DescriptorSet, Device, Image, ImageDesc, PipelineLayout, Result,
     SetLayout, Specialisation, spirv,
@@ -18,6 +18,7 @@ struct Push {
     height: u32,
     count: u32,
     lift: f32,
+    ball: [f32; 4],
 }
 
 /// The image of direct irradiance that the pass adds into, four floats a pixel; an image, so that no limit of buffers holds
@@ -62,10 +63,10 @@ impl PixelLight {
     }
 
     /// Adds the light of the first `count` faces, or samples where there are no faces.
-    pub fn record(&self, commands: &Commands, count: u32, lift: f32) {
+    pub fn record(&self, commands: &Commands, count: u32, lift: Lift) {
         let [width, height] = self.size;
         self.pipeline.bind(commands, &[&self.set]);
-        self.pipeline.layout.push(commands, &Push { width, height, count, lift });
+        self.pipeline.layout.push(commands, &Push { width, height, count, lift: lift.share, ball: lift.ball });
         self.pipeline.dispatch(commands, groups(width * height, 64));
     }
 }

@@ -23,12 +23,14 @@ pub struct Placement {
     pub seed: u32,
     /// Near distance of the captures.
     pub near: f32,
-    /// How far a capture stands off its surface.
+    /// How far a capture stands off its surface, relative to the size of what is near.
     pub lift: f32,
     /// Scale of a capture's axes: 1/half width of a plane.
     pub scale: f32,
     /// Edge of the cubes of space in which captures have one turn each.
     pub grain: f32,
+    /// Centre and radius of the scene's core.
+    pub core: [f32; 4],
 }
 
 /// The pass.

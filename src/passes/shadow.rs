@@ -28,6 +28,15 @@ impl LightKind {
     }
 }
 
+/// How far receivers stand off their surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Lift {
+    /// Centre and radius of the scene's core.
+    pub ball: [f32; 4],
+    /// Relative to the radius within it, to the distance from its centre beyond.
+    pub share: f32,
+}
+
 /// A batch of light samples and their shadow views.
 pub struct Shadow<'a> {
     /// Kind of the samples.

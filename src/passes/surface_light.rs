@@ -3,7 +3,7 @@
 use super::geometry::Geometry;
 use super::groups;
 use super::material::{Textures, Variant};
-use super::shadow::Shadow;
+use super::shadow::{Lift, Shadow};
 use crate::scene::Scene;
 use crate::vk::{Binding, Commands, ComputePipeline, DescriptorSet, Device, PipelineLayout, Result, SetLayout, spirv};
 use bytemuck::{Pod, Zeroable};
@@ -21,6 +21,7 @@ struct Push {
     points: u32,
     lift: f32,
     stride: u32,
+    ball: [f32; 4],
 }
 
 /// The pass for one kind of light.
@@ -40,7 +41,7 @@ pub struct Batch {
     /// Points in a cell for each sample.
     pub points: u32,
     /// How far a point stands off its surface when looked up.
-    pub lift: f32,
+    pub lift: Lift,
     /// Of pairs of a sample and a point a cell takes one in so many, others than its neighbours do.
     pub stride: u32,
 }
@@ -105,8 +106,9 @@ impl SurfaceLight {
                 first_light: batch.first,
                 light_count: batch.count,
                 points: batch.points,
-                lift: batch.lift,
+                lift: batch.lift.share,
                 stride: batch.stride,
+                ball: batch.lift.ball,
             };
             pipeline.layout.push(commands, &push);
             pipeline.dispatch(commands, groups(count, 64));

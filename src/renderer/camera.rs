@@ -3,6 +3,7 @@
 use crate::methods::captures;
 use crate::methods::irradiance_cache::{CacheSettings, Viewpoint};
 use crate::passes::clamp_records::Footprint;
+use crate::passes::geometry::Geometry;
 use crate::passes::place_records::Placement;
 use crate::passes::splat::View as SplatView;
 use crate::scene::{Camera, Lens, Scene};
@@ -66,7 +67,7 @@ impl View {
     }
 
     /// The view for placing and splatting records.
-    pub(super) fn viewpoint(&self, settings: &CacheSettings, radius: f32) -> Viewpoint {
+    pub(super) fn viewpoint(&self, settings: &CacheSettings, geometry: &Geometry) -> Viewpoint {
         let footprint = 2.0 / (self.scale.y.abs() * self.size[1] as f32);
         let forward = Vec3::from_slice(&self.axis[..3]);
         let placement = Placement {
@@ -74,10 +75,11 @@ impl View {
             count: 0,
             width: self.size[0],
             seed: settings.seed,
-            near: radius * captures::NEAR,
-            lift: radius * captures::LIFT,
+            near: geometry.radius * captures::NEAR,
+            lift: captures::LIFT,
             scale: 1.0,
-            grain: radius * captures::GRAIN,
+            grain: geometry.core.radius * captures::GRAIN,
+            core: geometry.core.to_array(),
         };
         let view = SplatView {
             world_to_view: self.world_to_view.to_cols_array(),

@@ -231,7 +231,11 @@ impl Plan {
 
     /// The plan of a frame whose surface could not be simplified far, as one that says so.
     pub(super) fn of_own_casters(mut self) -> Self {
-        self.part(Part::CoarseCasters, false, "simplified, the surface keeps more than half of its triangles");
+        self.part(
+            Part::CoarseCasters,
+            false,
+            "simplified, the surface keeps more than half of its triangles, or it lies in a far larger scene",
+        );
         self
     }
 

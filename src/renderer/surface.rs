@@ -64,7 +64,7 @@ impl Surface {
         if plan.runs(Part::CoarseCasters) && coarse.is_none() {
             *plan = plan.clone().of_own_casters();
         }
-        let extent = Extent { bounds: ground.geometry.bounds, radius: ground.geometry.radius };
+        let extent = Extent::of(ground.geometry);
         let sets = light_sets(scene, extent, &settings.lights, plan.runs(Part::Sky) && has_cells)?;
         surface.lights = build_lights(device, sets, &ground, coarse, (has_cells, plan.lights()))?;
         Ok(surface)

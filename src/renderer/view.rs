@@ -102,7 +102,7 @@ impl View {
         (stop, on_progress): (&dyn Fn() -> bool, OnProgress<'_>),
     ) -> Result<CacheStats> {
         let Some((cache, records)) = self.cache.as_ref().zip(records) else { return Ok(CacheStats::default()) };
-        let viewpoint = eyes.viewpoint(&self.settings.cache, ground.geometry.radius);
+        let viewpoint = eyes.viewpoint(&self.settings.cache, ground.geometry);
         let progress = |_, share| on_progress("records", (share * 1000.0) as u64, 1000);
         cache.run(recorder, ground, (&self.gbuffer.targets, &viewpoint), records, (stop, progress))
     }

@@ -4,7 +4,7 @@
 //! numbered so that pieces with near numbers lie near each other.
 
 use super::{Material, Scene, TextureRef};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 impl Scene {
     /// Whether a triangle's emission differs from place to place.
@@ -13,11 +13,11 @@ impl Scene {
         material.emission_texture.is_some() || material.alpha_cutoff.is_some()
     }
 
-    /// How often to cut a triangle in four, `most` times at the most, so that each piece is about half a texel.
+    /// How often to cut a triangle in four, `most` times at the most, so that no side of a piece is longer than a texel.
     pub fn emission_level(&self, triangle: u32, most: u32) -> u32 {
         let material = &self.materials[self.material_of(triangle) as usize];
-        let texels = self.emission_textures(material).map(|t| self.texels_of(triangle, t)).fold(0.0, f64::max);
-        ((2.0 * texels).max(1.0).log2() / 2.0).ceil().clamp(3.0, 16.0).min(f64::from(most)) as u32
+        let texels = self.emission_textures(material).map(|t| self.texels_along(triangle, t)).fold(0.0, f64::max);
+        texels.max(1.0).log2().ceil().clamp(3.0, 16.0).min(f64::from(most)) as u32
     }
 
     /// Radiance that each of the 4^`level` pieces emits, W·sr⁻¹·m⁻²: at its centre; 0 where a mask cuts it away.
@@ -37,12 +37,14 @@ impl Scene {
         material.emission_texture.iter().chain(mask)
     }
 
-    fn texels_of(&self, triangle: u32, texture: &TextureRef) -> f64 {
+    /// Most texels along a side of the triangle, in rows or in columns.
+    fn texels_along(&self, triangle: u32, texture: &TextureRef) -> f64 {
         let uvs = &self.uvs[texture.set as usize];
-        let corner = |v: u32| texture.transform.transform_point2(uvs[v as usize]).as_dvec2();
-        let [a, b, c] = self.triangles[triangle as usize].map(corner);
         let size = &self.textures[texture.texture as usize];
-        let texels = 0.5 * (b - a).perp_dot(c - a).abs() * f64::from(size.width) * f64::from(size.height);
+        let size = DVec2::new(f64::from(size.width), f64::from(size.height));
+        let corner = |v: u32| texture.transform.transform_point2(uvs[v as usize]).as_dvec2() * size;
+        let [a, b, c] = self.triangles[triangle as usize].map(corner);
+        let texels = [b - a, c - b, a - c].map(|side| side.abs().max_element()).into_iter().fold(0.0, f64::max);
         if texels.is_finite() { texels } else { 0.0 }
     }
 }

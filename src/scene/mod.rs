@@ -28,6 +28,7 @@ pub use load::{Limits, Options, Pose, Resolver, load, load_from_slice, load_with
 pub use sample::{Emitter, Encoding, SurfacePoint};
 pub use tessellate::SideLimit;
 
+use crate::math::core::Core;
 use glam::{DMat4, DVec3, Mat3, Vec2, Vec3, Vec4};
 use std::ops::Range;
 
@@ -60,6 +61,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Decoded textures, named by [`TextureRef::texture`].
     pub textures: Vec<Texture>,
+    /// The core of the surface before it was cut ([`Scene::tessellated`]); none where it was not.
+    pub core_of_whole: Option<Core>,
     /// Punctual lights.
     pub lights: Vec<Light>,
     /// Cameras; empty where the file has none.

@@ -4,6 +4,7 @@
 //! fetch; sRGB is decoded before filtering.
 
 use super::{Material, Scene, Texture, TextureRef, Wrap};
+use crate::math::core::Core;
 use glam::{DVec3, Vec2, Vec3, Vec4, Vec4Swizzles};
 use std::sync::LazyLock;
 
@@ -107,6 +108,12 @@ impl Scene {
         let corners = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
         let (low, high) = corners.fold(empty, |(low, high), p| (low.min(p), high.max(p)));
         if low.x <= high.x { (low, high) } else { (Vec3::ZERO, Vec3::ZERO) }
+    }
+
+    /// The ball about what lies together in a far larger scene, or about all of it.
+    pub fn core(&self) -> Core {
+        let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize]);
+        self.core_of_whole.unwrap_or_else(|| Core::of(self.triangles.iter().map(corners)))
     }
 
     /// Corners of a triangle, relative to the origin.

@@ -50,7 +50,8 @@ impl Scene {
     /// Every side is halved until it is short enough, whatever triangle it belongs to: neighbours that share a side share
     /// what it is cut into, and no gaps open between them.
     pub fn tessellated(&self, limit: &SideLimit) -> Self {
-        let mut cut = Self { triangles: Vec::new(), parts: Vec::new(), ..self.clone() };
+        let mut cut =
+            Self { triangles: Vec::new(), parts: Vec::new(), core_of_whole: Some(self.core()), ..self.clone() };
         let mut middles = HashMap::new();
         for part in &self.parts {
             let whole = self.triangles_of(part);

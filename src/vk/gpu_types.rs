@@ -80,12 +80,14 @@ pub struct KeptPayload {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LightSample {
-    /// Position, or centre of a cascade; squared disc radius of an area sample, or outer radius of a cascade, 0 for none.
+    /// Position; squared disc radius of an area sample.
     pub position: [f32; 4],
-    /// Axis; 1 − cos of a spot's outer angle, or inner radius of a cascade.
+    /// Axis; 1 − cos of a spot's outer angle.
     pub direction: [f32; 4],
     /// Irradiance, intensity, or radiance × area; a spot's falloff scale.
     pub power: [f32; 4],
+    /// Inner and outer radius of the shell about the scene's core that its shadow view is for; 0 where there is no end.
+    pub shell: [f32; 4],
 }
 
 /// An emissive triangle seen from the side that emits; `EmitterFace` in GLSL.
@@ -161,7 +163,7 @@ const _: () = {
     assert!(size_of::<Entry>() == 32);
     assert!(size_of::<Payload>() == 112);
     assert!(size_of::<KeptPayload>() == 80);
-    assert!(size_of::<LightSample>() == 48);
+    assert!(size_of::<LightSample>() == 64);
     assert!(size_of::<EmitterFace>() == 48);
     assert!(size_of::<Material>() == 144);
     assert!(size_of::<Texel>() == 32);

@@ -27,6 +27,7 @@ mod hidden;
 mod kept_records;
 mod leaks;
 mod levels;
+mod light_fuzz;
 mod masks;
 mod memory;
 mod peers;

@@ -10,7 +10,7 @@ use obvhs::bvh2::builder::build_bvh2;
 use std::borrow::Cow;
 use std::time::Duration;
 
-/// How far the surface may move, in parts of its radius: less than records are lifted, more than corners are rounded.
+/// How far the surface may move, in parts of its core's radius: less than records are lifted, more than corners are rounded.
 const FLATNESS: f64 = 1e-6;
 /// Most cells of a merged triangle: of a few large ones with many, each would be in sight of many records.
 const MOST_CELLS: f64 = 256.0;
@@ -20,15 +20,9 @@ const WORTH_IT: f64 = 0.75;
 /// Triangles of the surface, whose corners are `welded`; or as many fewer as cover the same.
 pub fn of<'a>(surface: &Surface<'_>, welded: &'a [[u32; 3]]) -> Cow<'a, [[u32; 3]]> {
     let may_be = |corners: &[Vec3; 3]| surface.density.is_even(corners, MOST_CELLS);
-    let tolerance = FLATNESS * f64::from(radius(surface));
+    let tolerance = FLATNESS * f64::from(surface.radius);
     let fewer = merged(surface.positions, welded, tolerance, may_be);
     if fewer.len() as f64 <= WORTH_IT * welded.len() as f64 { fewer.into() } else { welded.into() }
-}
-
-fn radius(surface: &Surface<'_>) -> f32 {
-    let points = surface.triangles.as_flattened().iter().map(|v| surface.positions[*v as usize]);
-    let (low, high) = points.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-    if surface.triangles.is_empty() { 0.0 } else { 0.5 * low.distance(high) }
 }
 
 /// Finds the surface's triangles by where they are.
@@ -44,7 +38,7 @@ impl<'a> Around<'a> {
     pub fn new(surface: &'a Surface<'a>) -> Self {
         let boxes: Vec<_> = surface.triangles.iter().map(|t| bounds(surface, t)).collect();
         let tree = build_bvh2(&boxes, BvhBuildParams::fast_build(), &mut Duration::default());
-        Self { surface, boxes, tree, margin: 4.0 * FLATNESS as f32 * radius(surface) }
+        Self { surface, boxes, tree, margin: 4.0 * FLATNESS as f32 * surface.radius }
     }
 
     /// Those whose boxes meet that of a triangle with these corners.

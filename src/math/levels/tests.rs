@@ -23,7 +23,7 @@ impl Sheet {
         let count = triangles.len() as u32;
         let corners = triangles.iter().map(|t| t.map(|v| positions[v as usize]));
         let density = Density::new(corners, count, &[]);
-        let surface = Surface { positions, triangles, first_cell, density: &density };
+        let surface = Surface { positions, triangles, first_cell, density: &density, radius: 0.7 };
         Levels::new(&surface, First { triangle: count, cell: count })
     }
 
@@ -100,8 +100,13 @@ fn coarse_cells_are_no_more_than_memory_is_foreseen_for() {
         let end = |end: &mut u32, n: u32| Some(std::mem::replace(end, *end + n));
         let first_cell: Vec<u32> = counts.chain([0]).scan(0, end).collect();
         let cells = first_cell[triangles.len()];
-        let surface =
-            Surface { positions: &positions, triangles: &triangles, first_cell: &first_cell, density: &density };
+        let surface = Surface {
+            positions: &positions,
+            triangles: &triangles,
+            first_cell: &first_cell,
+            density: &density,
+            radius: 0.7,
+        };
         let coarse = Levels::new(&surface, First { triangle: triangles.len() as u32, cell: cells }).shown_cell.len();
         let share = coarse as f64 / f64::from(cells);
         assert!(share > 0.9 * f64::from(MOST_COARSE_CELLS), "few: nothing to limit in {share}");

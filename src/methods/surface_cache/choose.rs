@@ -104,8 +104,8 @@ impl Choice<'_> {
     fn capture(&self, numbers: &Numbers, recorder: &mut Recorder, places: &mut Places, picked: &[u32]) -> Result<()> {
         let first = places.all.len();
         let points: Vec<_> = picked.iter().map(|side| self.sides.point(*side)).collect();
-        let radius = self.ground.geometry.radius;
-        let frames: Vec<_> = (first..).zip(&points).map(|(number, p)| places.frame(p, number, radius)).collect();
+        let frames: Vec<_> =
+            (first..).zip(&points).map(|(number, p)| places.frame(p, number, self.ground.geometry)).collect();
         let mut next = points.iter().zip(&frames);
         numbers.capture(recorder, self.ground, &frames, |seen| {
             if let Some((point, frame)) = next.next() {

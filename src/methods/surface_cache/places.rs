@@ -4,6 +4,7 @@ use super::numbers::{NOTHING, Seen};
 use super::sides::{Point, Sides};
 use crate::math::capture::Table;
 use crate::methods::probes::{Place as Looking, frame};
+use crate::passes::geometry::Geometry;
 use crate::vk::gpu_types::Frame;
 use glam::{DVec2, IVec3, Vec3};
 use std::collections::HashMap;
@@ -65,11 +66,11 @@ impl Places {
     }
 
     /// Where a place is to look from; every one is turned by another angle.
-    pub(super) fn frame(&self, point: &Point, number: usize, scene_radius: f32) -> Frame {
+    pub(super) fn frame(&self, point: &Point, number: usize, geometry: &Geometry) -> Frame {
         let Point { position, normal, geometric } = *point;
         // Golden angles: no two neighbours look along the same axes.
         let turn = (number as f32 * 0.618_034).fract() * TAU;
-        frame(&Looking { position, normal, geometric, turn }, scene_radius, 1.0)
+        frame(&Looking { position, normal, geometric, turn }, geometry, 1.0)
     }
 
     /// Adds a place that was captured; its reach follows from the distances that it sees.

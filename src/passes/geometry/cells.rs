@@ -2,6 +2,7 @@
 
 use crate::math::density::{Density, Focus};
 use crate::scene::{Camera, Lens, Scene};
+use glam::Vec3;
 
 /// Cameras of a file near which cells are finer: its first ones.
 const MOST_CAMERAS: usize = 16;
@@ -25,17 +26,18 @@ impl CellBudget {
 
     /// So many, finer near the detail of `scene` and near the cameras of its file.
     pub fn focused(scene: &Scene, count: u32) -> Self {
-        let (low, high) = scene.bounds();
-        let radius = (high - low).length() * 0.5;
-        let triangles: Vec<_> = scene.triangles.iter().map(|t| corners(scene, t)).collect();
-        let mut foci = Focus::detail(&triangles, radius);
+        let core = scene.core();
+        let is_near = |c: &[Vec3; 3]| !core.is_apart || c.iter().any(|p| p.distance(core.centre) <= core.radius);
+        let triangles: Vec<_> = scene.triangles.iter().map(|t| corners(scene, t)).filter(is_near).collect();
+        let mut foci = Focus::detail(&triangles, core.radius);
         let perspective = |camera: &&Camera| matches!(camera.lens, Lens::Perspective { .. });
         let cameras = || scene.cameras.iter().filter(perspective).take(MOST_CAMERAS);
         let share = CAMERAS / cameras().count() as f32;
         foci.extend(cameras().map(|camera| {
             let position = camera.camera_to_world.w_axis.truncate().as_vec3();
-            Focus { share, ..Focus::camera(position, radius) }
+            Focus { share, ..Focus::camera(position, core.radius) }
         }));
+        foci.iter_mut().for_each(|focus| focus.in_core = core.is_apart);
         Self { count, foci }
     }
 

@@ -120,6 +120,39 @@ fn info_lists_devices_and_needs() {
     assert_refused(&hemicube(folder.path(), "info none.gltf"), 2, "none.gltf");
 }
 
+#[test]
+fn info_as_json_says_the_same() {
+    let folder = folder();
+    let json = |arguments: &str| -> Value {
+        let run = hemicube(folder.path(), &format!("info --json {arguments}"));
+        assert!(run.code == 0 && run.err.is_empty(), "{run:?}");
+        serde_json::from_str(&run.out).unwrap()
+    };
+    let devices = json("");
+    let (device, plain) = (&devices["devices"][0], hemicube(folder.path(), "info").out);
+    let megabytes = device["memory"].as_u64().unwrap() >> 20;
+    assert!(
+        plain.contains(device["name"].as_str().unwrap()) && plain.contains(&format!("device memory {megabytes} MB"))
+    );
+    let scene = json(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/cornell.gltf"));
+    let cornell = hemicube::scene::cornell();
+    assert_eq!((scene["triangles"].as_u64(), scene["emissive_triangles"].as_u64()), (Some(32), Some(2)));
+    assert_eq!(scene["cameras"][0]["name"], "camera");
+    let lens = &scene["cameras"][0]["lens"];
+    assert!((lens["yfov"].as_f64().unwrap() - 39.3).abs() < 0.1 && lens["kind"] == "perspective", "{lens}");
+    assert!((scene["bounds"][1][1].as_f64().unwrap() - f64::from(cornell.bounds().1.y)).abs() < 1e-6);
+    assert!(scene["memory"]["bytes"].as_u64().unwrap() > 0 && scene["memory"]["misfit"].is_null());
+    let stats = folder.path().join("stats.json");
+    run_with_stats(folder.path());
+    let (plan, stats) = (json("good.gltf"), read_json(&stats));
+    let names = |of: &Value| -> Vec<String> {
+        let passes = of["plan"]["left_out"].as_array().unwrap().iter();
+        passes.map(|left| left["pass"].as_str().unwrap().to_owned()).filter(|name| name != "record counts").collect()
+    };
+    assert_eq!(names(&plan), names(&stats));
+    assert_refused(&hemicube(folder.path(), "info none.gltf --json"), 2, "none.gltf");
+}
+
 fn run_with_stats(folder: &Path) {
     let run = hemicube(folder, "render good.gltf -q -o good.exr --width 16 --height 16 --stats stats.json");
     assert_eq!(run.code, 0, "{run:?}");

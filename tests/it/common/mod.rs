@@ -1,6 +1,7 @@
 //! Helpers of all tests: the shared device, with validation on; scenes made in code; closed forms; files from outside.
 
 pub mod closed_forms;
+pub mod energy;
 pub mod files;
 pub mod gltf;
 pub mod probes;
