@@ -97,7 +97,6 @@ fn samples_inside_of_a_block_are_moved_or_marked() {
     b.cuboid(grey, vec3(-2.0, -2.0, -2.0), vec3(2.0, 2.0, 2.0), Facing::In);
     b.cuboid(grey, vec3(-1.2, -1.2, -1.2), vec3(1.2, 1.2, 1.2), Facing::Out);
     let (volume, placement) = baked(&b.build(), &settings(Places::Uniform(UVec3::splat(5)), Gradients::None, 16));
-    let lattice = &volume.lattice;
     // At −1, 0 and 1 along each axis: the middle one is too deep, all others lie 20 cm below the surface.
     assert_eq!((placement.samples, placement.moved, placement.inside), (125, 26, 1), "{placement:?}");
     for sample in &volume.samples {
