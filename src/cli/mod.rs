@@ -31,8 +31,8 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    Render(Box<render::RenderArgs>),
     Bake(bake::BakeArgs),
+    Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
     Completions(completions::CompletionsArgs),
     Convergence(Box<convergence::ConvergenceArgs>),
@@ -59,8 +59,8 @@ pub fn parse() -> Cli {
 pub fn run(cli: Cli) -> Result<ExitCode> {
     stop::handle_signals();
     let code = match cli.command {
-        Command::Render(args) => render::run(&args),
         Command::Bake(args) => bake::run(&args),
+        Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Completions(args) => completions::run(&args, &mut command()),
         Command::Convergence(args) => convergence::run(&args),

@@ -42,4 +42,5 @@ mod solvers;
 mod stability;
 mod validation;
 mod views;
+mod volume;
 mod work;

@@ -1,6 +1,7 @@
 //! `hemicube bake`: light for engines and tools, a kind of bake a subcommand.
 
 mod vertices;
+mod volume;
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
@@ -17,11 +18,13 @@ pub struct BakeArgs {
 #[derive(Subcommand)]
 enum Kind {
     Vertices(Box<vertices::VerticesArgs>),
+    Volume(Box<volume::VolumeArgs>),
 }
 
 /// Runs the chosen bake.
 pub fn run(args: &BakeArgs) -> Result<ExitCode> {
     match &args.kind {
         Kind::Vertices(args) => vertices::run(args),
+        Kind::Volume(args) => volume::run(args),
     }
 }
