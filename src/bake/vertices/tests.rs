@@ -62,7 +62,7 @@ fn nothing_is_negative() {
     let [fit, sampled] =
         [VertexMethod::LeastSquares, VertexMethod::Sampled].map(|method| VertexIrradiance::new(&scene, &found, method));
     assert!(fit.values.iter().all(|value| value.min_element() >= 0.0));
-    assert!(fit.values.iter().any(|value| *value == Vec3::ZERO));
+    assert!(fit.values.contains(&Vec3::ZERO));
     assert!(fit.off.rms < sampled.off.rms, "{:?} {:?}", fit.off, sampled.off);
 }
 
