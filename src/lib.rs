@@ -23,9 +23,11 @@
 //! | [`image`] | layered float pictures, EXR and PNG, tone mapping, error metrics | nothing |
 //! | [`scene`] | glTF in; meshes, materials, lights, cameras, background | `math` |
 //! | [`mod@reference`] | the truth on the CPU: path tracer, Ward's octree cache | `scene`, `math`, `image` |
+//! | [`volume`] | irradiance volumes: placement of samples, interpolation, files, engines' formats | `math`, `image` |
 //! | [`vk`] | Vulkan made plain; every `unsafe` of the renderer | nothing |
 //! | [`passes`] | one file a GPU pass, its shaders in `glsl/<same name>/` | `vk`, `scene`, `math` |
-//! | [`methods`] | techniques: passes composed | `passes` |
+//! | [`methods`] | techniques: passes composed | `passes`, `volume` |
+//! | [`bake`] | light at vertices, scenes written as GLB | `methods`, `scene` |
 //! | [`renderer`] | the plan, a scene that stays on the device, views of it | `methods` |
 //! | [`report`] | profile, statistics, trace, progress | `image` |
 //! | [`guide`] | how a frame is computed, limits, measurements with their commands | nothing |
@@ -57,6 +59,7 @@
 // What a library prints may go unread: what it has to say it returns.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+pub mod bake;
 pub mod guide;
 pub mod image;
 pub mod math;
@@ -67,3 +70,4 @@ pub mod renderer;
 pub mod report;
 pub mod scene;
 pub mod vk;
+pub mod volume;

@@ -124,21 +124,22 @@ vec3 light_of(vec4 p0, vec4 p1, vec3 a, vec3 e1, vec3 e2, vec3 direction) {
     return cell_light(cell, dot(a, cross(e1, e2)) < 0.0);
 }
 
-// Radiance of a triangle in a direction of any length, and its plane; direction and plane in face coordinates.
-void look(View view, uint triangle, vec3 way, out vec3 light, out vec3 plane) {
+// Radiance of a triangle in a direction of any length, and its plane; direction and plane in face coordinates. Whether its back is seen.
+bool look(View view, uint triangle, vec3 way, out vec3 light, out vec3 plane) {
     int at = 3 * int(triangle);
     vec4 p0 = texelFetch(corners, at), p1 = texelFetch(corners, at + 1);
     vec3 a = p0.xyz - view.frame.origin.xyz, e1 = p1.xyz - p0.xyz, e2 = texelFetch(corners, at + 2).xyz - p0.xyz;
     plane = view.axes * inverse_plane(a, e1, e2);
     light = light_of(p0, p1, a, e1, e2, way * view.axes);
+    return dot(a, cross(e1, e2)) >= 0.0;
 }
 
 #include "capture_compute/slices.glsl"
 
 // What a texel sees, of the triangle's number plus 1.
 Sight see(View view, uint key, uint triangle, vec3 way) {
-    Sight sight = Sight(vec3(0.0), vec3(0.0), 0.0, vec3(0.0));
-    if (triangle != 0) look(view, triangle - 1, way, sight.light, sight.plane);
+    Sight sight = Sight(vec3(0.0), vec3(0.0), 0.0, vec3(0.0), false);
+    if (triangle != 0) sight.back = look(view, triangle - 1, way, sight.light, sight.plane);
     if (HAS_SKY != 0 && key == NOTHING) sight.beyond = sky_radiance(way * view.axes);
     sight.inverse_distance = max(dot(sight.plane, way) * inversesqrt(dot(way, way)), 0.0);
     // Below the horizon there is nothing.

@@ -18,6 +18,6 @@ void tell(View view, uint texels, uint first) {
         Sight sight = see(view, key, triangle, spot.way);
         gathered[at] = vec4(sight.light, sight.inverse_distance);
         if (HAS_SKY != 0) gathered[at + 1] = vec4(sight.beyond, 0.0);
-        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(sight.plane * axes, tagged(triangle));
+        if (HAS_TRANSLATION != 0) gathered[at + STRIDE - 1] = vec4(sight.plane * axes, tagged(triangle | (sight.back ? BACK_SEEN : 0)));
     }
 }

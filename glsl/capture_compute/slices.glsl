@@ -3,7 +3,7 @@
 layout(set = 0, binding = 12) uniform textureBuffer slices;
 
 // What a texel's line of sight meets: light of surfaces, their plane and 1/distance; light of the sky.
-struct Sight { vec3 light, plane; float inverse_distance; vec3 beyond; };
+struct Sight { vec3 light, plane; float inverse_distance; vec3 beyond; bool back; };
 
 // In voxels: what rounding must not lose at the scene's bounds, where the middles of the outermost slices lie.
 const float SPARE = 1e-3;

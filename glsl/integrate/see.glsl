@@ -28,14 +28,14 @@ uint look(uvec2 tile, uint place, vec3 origin, vec3 direction) {
 // Radiance and 1/distance of a triangle in a direction, and its plane. Side and distance come from the triangle's corners alone: a
 // rasteriser tells them by corners that it has clipped and rounded, which turns slivers over and stretches walls that pass by
 // the eye. No distance is below the near one.
-vec4 surface(uint triangle, Frame frame, vec3 direction, out vec3 plane) {
+vec4 surface(uint triangle, Frame frame, vec3 direction, out vec3 plane, out bool front) {
     uvec3 c = corners_of(triangle);
     vec3 a = position_of(c.x) - frame.origin.xyz, e1 = position_of(c.y) - position_of(c.x),
          e2 = position_of(c.z) - position_of(c.x);
     vec2 uv = within(barycentrics(a, e1, e2, direction));
     vec3 at = a + uv.x * e1 + uv.y * e2;
     plane = inverse_plane(a, e1, e2);
-    bool front = dot(a, cross(e1, e2)) < 0.0;
+    front = dot(a, cross(e1, e2)) < 0.0;
     return vec4(cell_light(cell_of(triangle, uv), front), min(inversesqrt(dot(at, at)), 1.0 / frame.origin.w));
 }
 
@@ -49,8 +49,9 @@ void see(uint record, Frame frame, uint i, out vec4 seen, out vec3 beyond) {
     seen = vec4(0.0);
     beyond = vec3(0.0);
     if (number != 0 && above) {
-        seen = surface(number - 1, frame, direction, plane.xyz);
-        if (HAS_TRANSLATION != 0) plane = vec4(to_local(frame, plane.xyz), tagged(number));
+        bool front;
+        seen = surface(number - 1, frame, direction, plane.xyz, front);
+        if (HAS_TRANSLATION != 0) plane = vec4(to_local(frame, plane.xyz), tagged(number | (front ? 0 : BACK_SEEN)));
     } else if (HAS_SKY != 0 && above) {
         beyond = sky_radiance(direction);
     }

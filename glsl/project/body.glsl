@@ -6,7 +6,8 @@ const uint THREADS = 64;
 layout(local_size_x = THREADS) in;
 
 layout(constant_id = 0) const uint HAS_SKY = 0;
-layout(constant_id = 1) const uint HAS_TRANSLATION = 1;
+layout(constant_id = 1) const uint HAS_TRANSLATION = 1;  // planes are kept
+layout(constant_id = 2) const uint HAS_GRADIENTS = 1;
 
 #ifdef FROM_COMPUTE
 layout(set = 0, binding = 0) uniform textureBuffer gathered;  // laid out as inc/gathered.glsl says
@@ -86,7 +87,7 @@ void sum_edges(uint base, uint tile) {
 void main() {
     uint record = gl_WorkGroupID.x, tile = gl_WorkGroupID.y, base = record * push.texel_count;
     sum_texels(base, tile);
-    if (HAS_TRANSLATION != 0) sum_edges(base, tile);
+    if (HAS_GRADIENTS != 0) sum_edges(base, tile);
     else for (uint which = GRADIENTS; which < DISTANCE; ++which) put(which, vec4(0.0));
     barrier();
     uint to = (record * push.tiles + tile) * FLOATS;

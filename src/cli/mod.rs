@@ -3,6 +3,7 @@
 //! Exit codes: 0 done; 1 a comparison is above its threshold; 2 bad usage or input; 3 no suitable device or device lost; 130
 //! stopped by a signal.
 
+mod bake;
 mod choices;
 mod common;
 mod compare;
@@ -30,6 +31,7 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Bake(bake::BakeArgs),
     Render(Box<render::RenderArgs>),
     Compare(compare::CompareArgs),
     Completions(completions::CompletionsArgs),
@@ -57,6 +59,7 @@ pub fn parse() -> Cli {
 pub fn run(cli: Cli) -> Result<ExitCode> {
     stop::handle_signals();
     let code = match cli.command {
+        Command::Bake(args) => bake::run(&args),
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Completions(args) => completions::run(&args, &mut command()),

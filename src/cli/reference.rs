@@ -1,6 +1,7 @@
 //! `hemicube reference`: the truth on the CPU, by paths or by the irradiance cache of 1988.
 
 mod draw;
+mod points;
 mod report;
 mod setup;
 
@@ -31,9 +32,17 @@ pub struct ReferenceArgs {
     scene: SceneArgs,
     #[command(flatten)]
     image: ImageArgs,
-    /// File to write: .exr with all layers, or .png
-    #[arg(short, long, value_name = "OUT.exr|OUT.png")]
+    /// File to write: .exr with all layers, or .png; with --points .json
+    #[arg(short, long, value_name = "OUT.exr|OUT.png|OUT.json")]
     output: PathBuf,
+    /// Trace light at points in space instead of a picture: a JSON file {"points": [[x, y, z], …]}. The result has the format of
+    /// `hemicube probe`, and the relative standard error "se" of each point's irradiance; --spp is the number of paths a point,
+    /// 16384 by default
+    #[arg(long, value_name = "FILE.json", help_heading = "Points")]
+    points: Option<PathBuf>,
+    /// Order of the harmonics at --points, 2 to 6
+    #[arg(long, value_name = "N", default_value_t = 3, requires = "points", help_heading = "Points")]
+    order: u32,
     /// How indirect light is found
     #[arg(long, value_enum, default_value = "path")]
     method: Method,
@@ -140,6 +149,9 @@ pub enum Show {
 
 /// Runs the subcommand.
 pub fn run(args: &ReferenceArgs) -> Result<ExitCode> {
+    if let Some(file) = &args.points {
+        return points::run(args, file);
+    }
     let begun = Instant::now();
     let job = setup::job(args)?;
     let tracer = Tracer::new(&job.scene);

@@ -5,6 +5,7 @@ mod bounces;
 mod cache;
 mod choices;
 mod path;
+mod probes;
 mod report;
 mod sequence;
 mod settings;
@@ -21,6 +22,7 @@ use hemicube::image::{Picture, exr, png};
 use hemicube::renderer::Renderer;
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
+use hemicube::volume::file;
 use report::Report;
 use std::path::Path;
 use std::process::ExitCode;
@@ -38,6 +40,7 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
         return sequence::run(args, path, picture_kind, started);
     }
     let output = args.output.as_deref().context("an image goes into a file: -o names it")?;
+    let volume = args.show_probes.as_deref().map(file::read).transpose()?;
     let scene = args.scene.load()?;
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, picture_kind);
@@ -61,9 +64,12 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     }
     renderer.stop_when(|| stop::is_asked() || args.is_over(started));
     stop::finishes(true);
-    let rendered = renderer.render(&camera, &settings.view(), &mut hear)?;
+    let mut rendered = renderer.render(&camera, &settings.view(), &mut hear)?;
     drop(listener);
     report.check(&rendered);
+    if let Some(volume) = &volume {
+        probes::draw(&mut rendered.picture, &scene, &camera, volume);
+    }
     let writing = Instant::now();
     let made_with = report.made_with(args, &scene, &camera, &settings);
     let file = Destination { path: output, made_with: &made_with, camera: &camera };

@@ -1,4 +1,5 @@
-//! The guide: how a frame is computed, sequences and files of records, limits, and measurements with their commands.
+//! The guide: how a frame is computed, sequences and files of records, irradiance volumes, limits, and measurements with their
+//! commands.
 
 #[doc = include_str!("method.md")]
 pub mod method {}
@@ -14,6 +15,9 @@ pub mod measurements {}
 
 #[doc = include_str!("capabilities.md")]
 pub mod capabilities {}
+
+#[doc = include_str!("volumes.md")]
+pub mod volumes {}
 
 #[doc = include_str!("limits.md")]
 pub mod limits {}

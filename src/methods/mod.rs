@@ -21,6 +21,7 @@ mod sky;
 pub mod sphere_probes;
 pub mod surface_cache;
 pub mod surface_irradiance;
+pub mod volume;
 pub mod work;
 
 pub use sky::{Sky, has_suns, sky_bytes};

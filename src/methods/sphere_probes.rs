@@ -4,22 +4,24 @@
 //! crate's captures: it is direct light, which renderers add by themselves.
 
 use super::captures::{CaptureMode, NEAR};
-use super::gather::{Gather, GatherDesc};
+use super::gather::{Gather, GatherDesc, Gathering};
 use super::light_set::LightSettings;
-use super::probes::{Result, light_surfaces};
+use super::probes::{ProbeError, Result, light_surfaces};
 use super::{Ground, Sky};
 use crate::math::capture::{Basis, Projection};
 use crate::passes::capture_compute::CaptureCompute;
 use crate::passes::cluster_tree::{Detail, TreeSize};
 use crate::passes::geometry::{CellBudget, Geometry};
 use crate::passes::material::Textures;
-use crate::passes::project::Projected;
 use crate::scene::Scene;
-use crate::vk::Device;
 use crate::vk::gpu_types::Frame;
 use crate::vk::pass::Recorder;
+use crate::vk::{Device, Error as VulkanError};
 use glam::Vec3;
 use std::sync::Arc;
+
+/// The farthest distance that counts, in radii of the scene's bounding sphere: all of the scene is nearer from any point in it.
+const FARTHEST: f32 = 2.0;
 
 /// How points look at the scene and how the scene is lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +35,8 @@ pub struct SphereProbeSettings {
     pub capture: CaptureMode,
     /// Whether gradients are computed.
     pub gradients: bool,
+    /// Keeps distances by direction, none longer than this or twice the radius of the scene's bounding sphere, whichever is longer.
+    pub distances: Option<f32>,
     /// Direct light on the surfaces.
     pub lights: LightSettings,
     /// Cells that the surfaces are cut into, about; each triangle has at least one.
@@ -80,6 +84,7 @@ impl<'a> SphereProbes<'a> {
             size: settings.capture_size,
             gradients: settings.gradients,
             in_compute,
+            distances: settings.distances.map(|reach| reach.max(FARTHEST * geometry.radius)),
         };
         let gather = Gather::new(device, &ground, sky.as_ref().map(Sky::captured), desc)?;
         Ok(Self { scene, geometry, textures, gather, _sky: sky })
@@ -95,7 +100,7 @@ impl<'a> SphereProbes<'a> {
         recorder: &mut Recorder,
         points: &[Vec3],
         mut done: impl FnMut(usize),
-    ) -> Result<Vec<Projected>> {
+    ) -> Result<Vec<Gathering>> {
         let ground = Ground { scene: self.scene, geometry: &self.geometry, textures: self.textures.as_ref() };
         let mut measured = Vec::with_capacity(points.len());
         for batch in points.chunks(self.gather.capacity()) {
@@ -104,6 +109,51 @@ impl<'a> SphereProbes<'a> {
             done(batch.len());
         }
         Ok(measured)
+    }
+}
+
+/// [`SphereProbes`] that go on by render passes where the device's driver ends the loops of captures in compute, unless compute
+/// was asked for.
+pub struct SteadyProbes<'a> {
+    device: Arc<Device>,
+    scene: &'a Scene,
+    settings: SphereProbeSettings,
+    probes: SphereProbes<'a>,
+}
+
+impl<'a> SteadyProbes<'a> {
+    /// As [`SphereProbes::new`].
+    ///
+    /// # Errors
+    /// The device's, or too many lights.
+    pub fn new(
+        device: &Arc<Device>,
+        recorder: &mut Recorder,
+        scene: &'a Scene,
+        settings: &SphereProbeSettings,
+    ) -> Result<Self> {
+        let probes = SphereProbes::new(device, recorder, scene, settings)?;
+        Ok(Self { device: device.clone(), scene, settings: *settings, probes })
+    }
+
+    /// As [`SphereProbes::measure`]. `done` hears of some points twice where captures begin again.
+    ///
+    /// # Errors
+    /// The device's.
+    pub fn measure(
+        &mut self,
+        recorder: &mut Recorder,
+        points: &[Vec3],
+        done: &mut dyn FnMut(usize),
+    ) -> Result<Vec<Gathering>> {
+        match self.probes.measure(recorder, points, &mut *done) {
+            Err(ProbeError::Vulkan(VulkanError::LoopsEnded { .. })) if self.settings.capture == CaptureMode::Auto => {
+                self.settings.capture = CaptureMode::Hemicube;
+                self.probes = SphereProbes::new(&self.device, recorder, self.scene, &self.settings)?;
+                self.probes.measure(recorder, points, done)
+            }
+            found => found,
+        }
     }
 }
 

@@ -50,12 +50,13 @@ pub struct Project {
 }
 
 impl Project {
-    /// Projects what up to `capacity` captures have `gathered`, by `projection` with `size` texels a side, onto `basis`.
+    /// Projects what up to `capacity` captures have `gathered`, by `projection` with `size` texels a side, onto `basis`; `gradients`
+    /// need the planes of the surfaces.
     pub fn new(
         device: &Arc<Device>,
         gathered: &Gathered,
         (projection, size, table): (Projection, u32, &Table),
-        basis: Basis,
+        (basis, gradients): (Basis, bool),
         capacity: u32,
     ) -> Result<Self> {
         let weights = Weights::new(projection, size, table, basis);
@@ -73,8 +74,8 @@ impl Project {
         let layout = SetLayout::of(device, &bindings)?;
         let set = DescriptorSet::new(&layout, &bindings)?;
         let pipeline_layout = PipelineLayout::new(device, &[&layout], size_of::<Push>() as u32)?;
-        let (has_sky, has_translation) = (gathered.kinds.sky, gathered.kinds.planes);
-        let constants = Specialisation([has_sky, has_translation].map(u32::from).to_vec());
+        let flags = [gathered.kinds.sky, gathered.kinds.planes, gradients];
+        let constants = Specialisation(flags.map(u32::from).to_vec());
         let code = match view {
             Some(_) => spirv!("project", "from_compute.comp"),
             None => spirv!("project", "from_render.comp"),

@@ -8,6 +8,7 @@
 //! Geometry is double precision throughout: rays leave surfaces 2⁻³⁶ of the local coordinates above them, which hides no
 //! detail that single-precision meshes can hold.
 
+pub mod balls;
 mod bvh;
 mod cost;
 mod film;
@@ -15,6 +16,7 @@ mod intersect;
 mod lights;
 mod path;
 pub mod picture;
+pub mod points;
 mod progressive;
 mod run;
 mod sampler;

@@ -61,6 +61,20 @@ impl View {
         }
     }
 
+    /// The pixel position of a point, in pixels from the top left corner; none behind the eye.
+    pub fn project(&self, point: DVec3) -> Option<DVec2> {
+        let local = self.camera.camera_to_world.inverse().transform_point3(point);
+        if local.z >= 0.0 {
+            return None;
+        }
+        let at = match self.camera.lens {
+            Lens::Perspective { .. } => local.truncate() / -local.z,
+            Lens::Orthographic { .. } => local.truncate(),
+        } / self.half;
+        let size = DVec2::new(f64::from(self.width), f64::from(self.height));
+        Some(DVec2::new(1.0 + at.x, 1.0 - at.y) * size / 2.0)
+    }
+
     /// What the pixel with this index (row by row from the top) sees.
     pub fn pixel(&self, tracer: &Tracer, index: usize) -> Pixel {
         let (x, y) = (index % self.width as usize, index / self.width as usize);

@@ -9,6 +9,7 @@
 
 mod analytic;
 mod bad_scenes;
+mod bakes;
 mod bounces;
 mod capabilities;
 mod captures;
@@ -41,4 +42,5 @@ mod solvers;
 mod stability;
 mod validation;
 mod views;
+mod volume;
 mod work;

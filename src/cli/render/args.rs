@@ -41,6 +41,10 @@ pub struct RenderArgs {
     /// [default: agx]
     #[arg(long, value_name = "NAME", help_heading = "Image")]
     pub(super) tone: Option<ToneMap>,
+    /// Draw the samples of this volume (`hemicube bake volume`) over the image, as white balls in their own light; samples inside
+    /// of geometry are red
+    #[arg(long, value_name = "VOLUME.json", conflicts_with = "frames", help_heading = "Image", hide_short_help = true)]
+    pub(super) show_probes: Option<PathBuf>,
     /// Bounces of indirect light: 0 for direct light only, all for as many as carry light
     ///
     /// Bounces beyond the first are gathered at sparse places on the surfaces, each captured once.

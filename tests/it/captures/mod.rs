@@ -1,6 +1,7 @@
 //! Every kind of capture on the device, through the real passes, against closed forms.
 
 mod closed_forms;
+mod distances;
 mod fallbacks;
 mod harmonics;
 mod masks;

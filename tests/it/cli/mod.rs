@@ -12,6 +12,7 @@ mod sequences;
 #[cfg(unix)]
 mod stops;
 mod unread;
+mod volume;
 
 use crate::common::gltf::{document, glb, triangle};
 use crate::common::program::Run;
