@@ -82,6 +82,25 @@ pub fn piece_at(weights: DVec3, level: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::build::{Builder, emitter};
+
+    /// One lit column of a texture of any shape gives its share of the light of a square.
+    #[test]
+    fn textures_of_any_shape_keep_their_energy() {
+        for (width, height) in [(4, 4), (64, 4), (32, 2), (256, 1), (2, 128)] {
+            let mut b = Builder::default();
+            let lit = |i: u32| if i % width == width / 2 { [255; 4] } else { [0, 0, 0, 255] };
+            let texture = b.texture(width, height, (0..width * height).map(lit).collect(), true);
+            let map = TextureRef { texture, set: 0, transform: glam::Mat3::IDENTITY };
+            let material = b.material(Material { emission_texture: Some(map), ..emitter(Vec3::ONE) });
+            b.quad(material, Vec3::ZERO, Vec3::X, Vec3::Y);
+            let scene = b.build();
+            let mean = (0..2).map(|t| scene.emission_of_pieces(t, scene.emission_level(t, 16)));
+            let mean: f32 = mean.map(|pieces| pieces.iter().map(|p| p.x).sum::<f32>() / pieces.len() as f32).sum();
+            let share = 0.5 * mean * width as f32;
+            assert!((share - 1.0).abs() < 0.02, "{width} × {height}: {share}");
+        }
+    }
 
     #[test]
     fn pieces_are_found_by_their_points() {

@@ -202,6 +202,12 @@ impl Making {
         self.add_square(material, position, size);
     }
 
+    /// A square under the ceiling that faces the floor.
+    fn add_hanging(&mut self, material: usize, size: f32) {
+        let middle = self.random.point(vec3(-0.9, 2.2, -0.9), vec3(0.9, 2.4, 0.9));
+        self.add_square(material, middle, size);
+    }
+
     fn add_square(&mut self, material: usize, middle: Vec3, size: f32) {
         let down = (vec3(0.0, 0.5, 0.0) - middle).normalize();
         let u = down.any_orthonormal_vector() * size;
@@ -216,7 +222,7 @@ impl Making {
         let size = self.random.between(0.2, 1.0);
         let lamp = Material { emission_texture: Some(texture), ..emitter(colour * 30.0 / (size * size)) };
         let material = self.builder.material(lamp);
-        self.add_square(material, vec3(0.0, 2.5, 0.3), size);
+        self.add_hanging(material, size);
     }
 
     /// An emissive square with an alpha mask.
@@ -231,7 +237,7 @@ impl Making {
             ..emitter(colour * 30.0 / (size * size))
         };
         let material = self.builder.material(sign);
-        self.add_square(material, vec3(0.3, 2.5, -0.3), size);
+        self.add_hanging(material, size);
     }
 
     /// Many small emissive triangles.
