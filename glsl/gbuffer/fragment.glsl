@@ -20,7 +20,7 @@ const vec4 uvs = vec4(0.0), tangent = vec4(0.0);
 layout(location = 4) in vec4 color;
 layout(location = 5) flat in vec3 geometric;
 
-layout(location = 0) out vec4 out_position;  // xyz; w: 1 where the surface reflects, 2 where it emits
+layout(location = 0) out vec4 out_position;  // xyz; w: 1 where the surface reflects, 2 where it only emits
 layout(location = 1) out uvec2 out_normals;  // shading and geometric, octahedral
 layout(location = 2) out vec4 out_albedo;
 #ifdef EMISSION
@@ -39,8 +39,8 @@ void main() {
     bool front = dot(geometric, to_eye) >= 0.0;
     vec3 ng = front ? geometric : -geometric;
     vec3 ns = dot(s.normal, ng) >= 0.0 ? s.normal : -s.normal;
-    bool emits = any(greaterThan(s.emission, vec3(0.0)));
-    out_position = vec4(position, emits ? 2.0 : 1.0);
+    bool emits_alone = any(greaterThan(s.emission, vec3(0.0))) && s.albedo.rgb == vec3(0.0);
+    out_position = vec4(position, emits_alone ? 2.0 : 1.0);
     out_normals = uvec2(oct_encode(ns), oct_encode(ng));
     out_albedo = vec4(s.albedo.rgb, 1.0);
 #ifdef EMISSION

@@ -25,7 +25,5 @@ Surface surface_at(Material material, vec2 uv0, vec2 uv1, vec4 color, vec3 norma
         }
     }
 #endif
-    // A point that emits does not reflect.
-    if (any(greaterThan(s.emission, vec3(0.0)))) s.albedo.rgb = vec3(0.0);
     return s;
 }

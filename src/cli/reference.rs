@@ -118,7 +118,7 @@ Layers of the EXR file (RGB unless said otherwise):
   irradiance         indirect irradiance, W·m⁻²; irradiance_direct the direct one
   dir b1 b2 b3plus   irradiance after exactly 0, 1, 2, and 3 or more reflections (--method path)
   stderr.irradiance  standard error of each pixel; stderr.dir, stderr.b1, … (--method path)
-  albedo emission N P Z, mask (1 where a surface that does not emit is seen), records.Y (--method ward)
+  albedo emission N P Z, mask (1 where a surface is seen, but a black one that emits), records.Y (--method ward)
 
 Examples:
   hemicube reference -o cornell.exr                              the built-in box, 256 paths a pixel

@@ -2,7 +2,7 @@
 //!
 //! [`path_trace`] and [`ward()`] go from a scene to a picture. [`Tracer`] makes a scene ready for rays; [`Progressive`]
 //! traces batches of paths from the surface that each pixel's centre sees; [`irradiance_at`] does so from any place. All
-//! surfaces are Lambertian and two-sided; what emits does not reflect; directions below a triangle's own plane carry
+//! surfaces are Lambertian and two-sided; what emits reflects too; directions below a triangle's own plane carry
 //! nothing, whatever its shading normal says.
 //!
 //! Geometry is double precision throughout: rays leave surfaces 2⁻³⁶ of the local coordinates above them, which hides no

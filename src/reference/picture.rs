@@ -16,7 +16,7 @@ pub const BOUNCE_LAYERS: [&str; 4] = ["dir", "b1", "b2", "b3plus"];
 ///
 /// `direct.*`, `indirect.*` and `emission.*` are radiance towards the camera and sum to `R, G, B`; the sky behind
 /// everything counts as emission. `irradiance.*` is indirect, `irradiance_direct.*` direct irradiance, both W·m⁻².
-/// `mask` is 1 where a surface that does not emit is seen. Positions are in the scene file's world.
+/// `mask` is 1 where a surface is seen that does more than emit. Positions are in the scene file's world.
 pub fn picture(tracer: &Tracer, view: &View, pixels: &[Pixel], direct: &[DVec3], indirect: &[DVec3]) -> Picture {
     let mut out = Picture::new(view.width, view.height);
     let surface = |f: &dyn Fn(&Pixel, usize) -> DVec3| -> Vec<[f32; 3]> {

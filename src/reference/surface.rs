@@ -19,11 +19,11 @@ pub struct SurfacePoint {
     pub geometric: DVec3,
     /// Unit shading normal, on the same side.
     pub normal: DVec3,
-    /// Diffuse reflectance; 0 where the point emits.
+    /// Diffuse reflectance.
     pub albedo: DVec3,
     /// Radiance towards the viewer, W·sr⁻¹·m⁻².
     pub emission: DVec3,
-    /// The material emits here, to this side or the other: the point does not reflect.
+    /// The material emits here, to this side or the other, and reflects nothing.
     pub emitter: bool,
     /// Index into the scene's triangles.
     pub triangle: u32,
@@ -78,7 +78,7 @@ pub fn evaluate(scene: &Scene, plane: &Plane, hit: &Hit, direction: DVec3) -> Su
         normal: if shading.dot(geometric) < 0.0 { -shading } else { shading },
         albedo: seen.albedo.as_dvec3(),
         emission: if emits { seen.emission.as_dvec3() } else { DVec3::ZERO },
-        emitter: seen.emission != Vec3::ZERO,
+        emitter: seen.emission != Vec3::ZERO && seen.albedo == Vec3::ZERO,
         triangle: hit.triangle,
     }
 }

@@ -147,8 +147,8 @@ pub struct Material {
     pub normal_texture: Option<TextureRef>,
     /// Factor of the normal map's X and Y.
     pub normal_scale: f32,
-    /// Emitted radiance, W·sr⁻¹·m⁻², emissive strength included; a factor of the texture. A point that emits does not
-    /// reflect.
+    /// Emitted radiance, W·sr⁻¹·m⁻², emissive strength included; a factor of the texture. A point that emits
+    /// reflects as well.
     pub emission: Vec3,
     /// Emission texture (sRGB).
     pub emission_texture: Option<TextureRef>,

@@ -155,7 +155,7 @@ impl Scene {
             position: place.mix(&self.positions),
             geometric_normal,
             shading_normal: self.shading_normal(material, &place).unwrap_or(geometric_normal),
-            albedo: if emission == Vec3::ZERO { base.xyz() } else { Vec3::ZERO },
+            albedo: base.xyz(),
             emission,
             alpha: base.w,
             material: material_index,
@@ -174,8 +174,7 @@ impl Scene {
         self.base_color(material, &Place::among(vertices, barycentrics)).w
     }
 
-    /// Diffuse reflectance at a point of the triangle of three vertices, each in [0, 1]; zero where the point emits, `None` where
-    /// the surface is absent.
+    /// Diffuse reflectance at a point of the triangle of three vertices, each in [0, 1]; `None` where the surface is absent.
     pub(crate) fn albedo_at(&self, material: u32, vertices: [u32; 3], barycentrics: Vec2) -> Option<Vec3> {
         let material = &self.materials[material as usize];
         let place = Place::among(vertices, barycentrics);
@@ -183,14 +182,13 @@ impl Scene {
         if material.alpha_cutoff.is_some_and(|cutoff| base.w < cutoff) {
             return None;
         }
-        let shines = self.emission(material, &place) != Vec3::ZERO;
-        Some(if shines { Vec3::ZERO } else { base.xyz().clamp(Vec3::ZERO, Vec3::ONE) })
+        Some(base.xyz().clamp(Vec3::ZERO, Vec3::ONE))
     }
 
     /// Whether the reflectance of a material changes over a triangle.
     pub(crate) fn albedo_varies(&self, material: u32) -> bool {
         let material = &self.materials[material as usize];
-        material.base_texture.is_some() || material.emission_texture.is_some() || !self.colors.is_empty()
+        material.base_texture.is_some() || !self.colors.is_empty()
     }
 
     /// All triangles that emit, in order.

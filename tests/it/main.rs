@@ -21,6 +21,7 @@ mod contrast;
 mod convergence;
 mod determinism;
 mod device;
+mod emitters;
 mod export;
 mod extents;
 mod gltf_conformance;

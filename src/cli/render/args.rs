@@ -182,7 +182,7 @@ const SHORT_HELP: &str = "--help explains every flag, with units, examples and e
 const HELP: &str = "\
 Units: a light of intensity I gives I·cosθ/d²; an emissive texel of value L is radiance L; nothing is scaled. Surfaces are
 Lambertian and two-sided (metalness and roughness are not used); emitters shine from their front, from both sides if the
-material is double-sided, and do not reflect.
+material is double-sided, and reflect by their base colour.
 
 Examples:
   hemicube render -o cornell.exr

@@ -108,8 +108,7 @@ impl<'a> Sides<'a> {
     /// Whether nothing of the side reflects.
     pub(super) fn is_black(&self, side: u32) -> bool {
         let material = &self.scene.materials[self.material(self.triangle(side)) as usize];
-        let shines = material.emission != Vec3::ZERO && material.emission_texture.is_none();
-        shines || material.base_color.truncate() == Vec3::ZERO
+        material.base_color.truncate() == Vec3::ZERO
     }
 
     /// The middle of the patch.
