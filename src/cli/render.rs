@@ -19,13 +19,15 @@ use super::stop;
 use anyhow::{Context, Result, bail};
 use hemicube::image::tone::{Exposure, Look, auto_stops};
 use hemicube::image::{Picture, exr, png};
-use hemicube::renderer::Renderer;
+use hemicube::renderer::{Renderer, Settings};
 use hemicube::report::progress::{Progress, Stage};
 use hemicube::scene::{Camera, Scene};
+use hemicube::vk::Device;
 use hemicube::volume::file;
 use report::Report;
 use std::path::Path;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Runs the subcommand.
@@ -45,16 +47,8 @@ pub fn run(args: &RenderArgs) -> Result<ExitCode> {
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, picture_kind);
     let mut records = args.cache.open(&scene, &settings)?;
-    let loaded = started.elapsed();
-    let device = args.device.open()?;
-    settings.check(&device)?;
-    let mut report = Report::new(args, started, &device);
-    report.stage("load scene", loaded);
-    report.stage("open device", started.elapsed() - loaded);
-    report.scene(&scene, note.as_deref(), &settings);
-    if !args.talk.quiet {
-        warn(args, picture_kind, &scene);
-    }
+    let (device, mut report) = open_device(args, (&scene, note.as_deref()), &settings, started)?;
+    warn(args, picture_kind, &scene);
     let mut listener = Listener::new(args.talk);
     let mut hear = |name, done, all| listener.hear(name, done, all);
     let mut renderer = Renderer::open(&device, &scene, &settings, &mut hear)?;
@@ -96,8 +90,28 @@ impl RenderArgs {
     }
 }
 
-/// Warns of a scene without light, and of flags that do nothing for this kind of picture.
+/// Opens the device for a scene that is loaded, and begins the report of the run.
+fn open_device(
+    args: &RenderArgs,
+    (scene, note): (&Scene, Option<&str>),
+    settings: &Settings,
+    started: Instant,
+) -> Result<(Arc<Device>, Report)> {
+    let loaded = started.elapsed();
+    let device = args.device.open()?;
+    settings.check(&device)?;
+    let mut report = Report::new(args, started, &device);
+    report.stage("load scene", loaded);
+    report.stage("open device", started.elapsed() - loaded);
+    report.scene(scene, note, settings);
+    Ok((device, report))
+}
+
+/// Warns of a scene without light, and of flags that do nothing for this kind of picture; nothing with --quiet.
 fn warn(args: &RenderArgs, kind: Kind, scene: &Scene) {
+    if args.talk.quiet {
+        return;
+    }
     if scene.is_dark() {
         remark!(
             "warning: the scene has no light, so the picture is black: --default-light adds a soft sky, --background R,G,B \

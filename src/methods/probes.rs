@@ -9,6 +9,7 @@ use super::casters::Casters;
 use super::direct::DirectLight;
 use super::light_samples::{TooManyLights, light_sets};
 use super::light_set::{Extent, LightSettings};
+use super::surface_cache::read_surface;
 use super::{Ground, Sky};
 use crate::math::cells;
 use crate::passes::cluster_tree::Detail;
@@ -188,19 +189,9 @@ impl<'a> Probes<'a> {
 
     /// The lit surface as captures see it, read back: every cell with its radiance.
     pub fn surface(&self, recorder: &mut Recorder, device: &Arc<Device>) -> Result<Vec<SurfaceCell>> {
-        let (radiance, first) = (&self.geometry.cell_radiance, &self.geometry.first_cell);
-        let copies = [radiance, first].map(|b| Buffer::new(device, "surface radiance", b.size, Memory::Readback));
-        let [to_radiance, to_first] = copies;
-        let (to_radiance, to_first) = (to_radiance?, to_first?);
-        recorder.submit(|recording| {
-            recording.pass("readback", |c| {
-                c.copy_buffer(radiance, &to_radiance, radiance.size);
-                c.copy_buffer(first, &to_first, first.size);
-                Ok(())
-            })
-        })?;
-        let radiance: Vec<[[f32; 3]; 2]> = to_radiance.read(self.geometry.cell_count as usize);
-        let first: Vec<u32> = to_first.read(self.geometry.triangles.len() + 1);
+        let ground = Ground { scene: self.scene, geometry: &self.geometry, textures: self.textures.as_ref() };
+        let (radiance, first) = read_surface(device, recorder, &ground)?;
+        let radiance = radiance.as_chunks::<2>().0;
         let of_triangle = |(triangle, range): (&[u32; 3], &[u32])| {
             let [p0, p1, p2] = triangle.map(|v| self.scene.positions[v as usize].as_dvec3());
             let count = range[1] - range[0];

@@ -4,7 +4,7 @@ use super::args::RenderArgs;
 use super::cache::RecordFile;
 use super::path::{CameraPath, file_of};
 use super::report::Report;
-use super::{Destination, Kind, Listener, stops, warn, write};
+use super::{Destination, Kind, Listener, open_device, stops, warn, write};
 use crate::cli::say::{divert, remark, say};
 use anyhow::{Context, Result, ensure};
 use hemicube::image::Picture;
@@ -59,16 +59,8 @@ pub fn run(args: &RenderArgs, mut path: CameraPath, kind: Kind, started: Instant
     let (camera, note) = args.scene.camera(&scene)?;
     let settings = args.settings(&camera, kind);
     let records = args.cache.open(&scene, &settings)?;
-    let loaded = started.elapsed();
-    let device = args.device.open()?;
-    settings.check(&device)?;
-    let mut report = Report::new(args, started, &device);
-    report.stage("load scene", loaded);
-    report.stage("open device", started.elapsed() - loaded);
-    report.scene(&scene, note.as_deref(), &settings);
-    if !args.talk.quiet {
-        warn(args, kind, &scene);
-    }
+    let (device, report) = open_device(args, (&scene, note.as_deref()), &settings, started)?;
+    warn(args, kind, &scene);
     let size = [settings.width, settings.height];
     let video = args.path.y4m.then(|| Video::new(io::stdout(), size, path.fps)).transpose();
     let mut sequence = Sequence {
