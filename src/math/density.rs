@@ -37,8 +37,9 @@ pub struct Focus {
 
 /// Cells to an area.
 ///
-/// Half of the cells are all of one area (an eighth around the core of a far larger scene). The others become smaller with the distance from the foci, as areas of one solid angle
-/// do that are looked at from there. So none grows to more than twice the even area.
+/// Half of the cells are all of one area. The others become smaller with the distance from the foci, as areas of one solid angle
+/// do that are looked at from there. So none grows to more than twice the even area. Around the core of a far larger scene an
+/// eighth is even: there a cell may grow to eight times that area.
 #[derive(Clone, Debug)]
 pub struct Density {
     /// Cells to a unit of area everywhere.

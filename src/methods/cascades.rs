@@ -1,4 +1,5 @@
-//! Cascades of parallel shadow views: the core of a far larger scene has views of its own, as fine there as if nothing else were (cascaded shadow maps, Dimitrov 2007).
+//! Cascades of parallel shadow views: the core of a far larger scene has views of its own, as fine there
+//! as if nothing else were (cascaded shadow maps, Dimitrov 2007).
 
 use super::far_view::MARGIN;
 use super::light_set::{Extent, LightSet, parallel_frame, parallel_sample, parallel_view};
